@@ -1,4 +1,14 @@
 //! The command line: parses arguments, calls the library, prints and writes. Arguments in, exit status out.
+
+/// As that of the standard library, but for a reader who has gone: then nobody misses the line.
+macro_rules! eprint {
+    ($($text:tt)*) => { $crate::cli::to_standard_error(format_args!($($text)*)) };
+}
+/// As [`eprint!`], with the end of the line.
+macro_rules! eprintln {
+    ($($text:tt)*) => { $crate::cli::to_standard_error(format_args!("{}\n", format_args!($($text)*))) };
+}
+
 pub mod args;
 pub mod budget;
 pub mod calibrate;
@@ -125,6 +135,12 @@ fn carry_out(command: args::Command) -> Status {
 /// The value of `MODELICAPATH`.
 fn modelica_path() -> Option<OsString> {
     std::env::var_os("MODELICAPATH")
+}
+
+/// Writes to the standard error; a closed pipe or a full disk behind it does not end the command.
+fn to_standard_error(text: std::fmt::Arguments<'_>) {
+    use std::io::Write;
+    let _ = std::io::stderr().lock().write_fmt(text);
 }
 
 /// Writes the diagnostics of a session to the standard error.

@@ -105,6 +105,11 @@ causes! {
         error MO0935 IntegerTooLarge { time: f64, name: String, value: f64 } (section "4.8.2")
             => ("at time {time} s Integer `{name}` is {value:e}, beyond 2^53 = 9007199254740992"),
             help("declare it as Real, or keep it smaller: larger Integers are not exact");
+        /// A relation changes faster than the steps of the integrator.
+        warning MO0936 UnresolvedRelation { relation: String }
+            => ("`{relation}` changes faster than the steps: it may have been true or false for moments \
+                 that no step saw"),
+            help("shorten the steps with `--max-step`, to less than the shortest of these moments");
         /// An invariant of mocc is violated.
         error MO0999 Bug { what: String }
             => ("{what}"), help("this is a bug in mocc, please report it with the model");

@@ -12,6 +12,7 @@ use crate::ir::program::{Program, Sequence, Slot};
 use crate::ir::trajectory::Trajectory;
 
 use super::bound_warnings::BoundWarnings;
+use super::cause::RunCause;
 use super::columns::{columns, constants};
 use super::event::chattering::EventHistory;
 use super::event::duplicate_event::DuplicateFilter;
@@ -158,6 +159,7 @@ fn run_to(
     simulation.recorder.flush(simulation.sink);
     simulation.sink.end();
     outcome?;
+    simulation.warn_of_unresolved_relations();
     let mut statistics = simulation.statistics;
     statistics.integration = *simulation.stepper.stats();
     statistics.method = simulation.stepper.describe(statistics.method);
@@ -344,6 +346,17 @@ impl<'p, 's> Simulation<'p, 's> {
             self.terminal_event()
         } else {
             Ok(())
+        }
+    }
+
+    /// Warns of relations that may have changed unseen.
+    fn warn_of_unresolved_relations(&mut self) {
+        let found: Vec<u32> = self.locator.unresolved().collect();
+        for k in found {
+            let relation = relation_text(self.program, k);
+            let cause = RunCause::UnresolvedRelation { relation };
+            let span = self.relation_span(k);
+            self.statistics.warnings.push(Diagnostic::new(cause, span));
         }
     }
 

@@ -32,6 +32,7 @@ mod report;
 mod results;
 mod sensitivity;
 mod stages;
+mod strangers;
 mod suite;
 mod sweep;
 mod valve;

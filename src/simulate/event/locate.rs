@@ -13,6 +13,10 @@ use crate::simulate::system::HybridSystem;
 
 use super::dips::Samples;
 
+/// Number of steps within which an indicator turns more than once, and their share of all steps, from
+/// which on its changes may be missed.
+const RESTLESS: u32 = 20;
+const RESTLESS_SHARE: f64 = 0.1;
 /// Points within a step, as fractions, at which relations are probed in addition to its end.
 const PROBES: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 /// Maximum number of failed evaluations within one step.
@@ -29,6 +33,10 @@ pub struct Locator {
     /// Hysteresis of each relation: minimum absolute value of its indicator after a change.
     hysteresis: Vec<f64>,
     samples: Samples,
+    /// For each relation, the number of steps in which its indicator turned more than once.
+    restless: Vec<u32>,
+    /// Number of steps without an event.
+    looks: u32,
 }
 
 /// First hysteresis of a chattering relation, in units of its operands.
@@ -59,7 +67,8 @@ impl Locator {
         let hysteresis = vec![0.0; program.events.relation_triggers.len()];
         let samples = Samples::new(program.events.relation_triggers.len());
         let point = vec![0.0; program.order().max(1)];
-        Locator { relations, point, ignored: None, hysteresis, samples }
+        let restless = vec![0; relations.len()];
+        Locator { relations, point, ignored: None, hysteresis, samples, restless, looks: 0 }
     }
 
     /// Widens the hysteresis of chattering relations: smaller changes are rounding errors of
@@ -149,8 +158,21 @@ impl Locator {
             }
         }
         let found = self.first_dip(system, stepper)?;
+        if found.is_none() {
+            self.looks += 1;
+            for (k, count) in self.relations.iter().zip(&mut self.restless) {
+                *count += u32::from(self.samples.is_restless(*k));
+            }
+        }
         self.samples.end(t1);
         Ok(found)
+    }
+
+    /// The relations whose indicators turned so often within steps that changes may have been missed.
+    pub fn unresolved(&self) -> impl Iterator<Item = u32> {
+        let share = f64::from(self.looks) * RESTLESS_SHARE;
+        let counts = self.relations.iter().zip(&self.restless);
+        counts.filter(move |(_, n)| **n >= RESTLESS && f64::from(**n) >= share).map(|(k, _)| *k)
     }
 
     /// Forgets the samples of the last step: the indicators may have jumped.
