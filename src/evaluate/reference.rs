@@ -412,7 +412,8 @@ impl Evaluator<'_> {
             let is_near = d.primary.0.file == span.file
                 && d.primary.0.start <= span.end
                 && span.start <= d.primary.0.end;
-            is_near && d.is(|cause: &ClassCause| matches!(cause, ClassCause::ConditionalRead { .. }))
+            is_near
+                && d.is(|cause: &ClassCause| matches!(cause, ClassCause::ConditionalRead { .. }))
         };
         if self.problems.iter().any(is_conditional) {
             return;

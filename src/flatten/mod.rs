@@ -109,7 +109,7 @@ fn flatten_with(
         equation::of_object(cx, object, &mut flat, &mut connections);
     }
     inspect(cx, root, &mut connections, &flat);
-    connections.equations(cx, &mut flat);
+    connections.equations(cx, root, &mut flat);
     flat.ownership = ownership::of(cx, root, &flat);
     flat.experiment = experiment::inherited(cx, class, root);
     let variations = annotation::pairs(cx, (class, root), "varies");

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use crate::base::activity;
 use crate::base::diag::Diagnostic;
 use crate::base::source::{SourceMap, Span};
 use crate::integrate::outcome::Step;
@@ -154,6 +155,7 @@ fn run_to(
         return Err(Failure::settings(what));
     }
     let started = Instant::now();
+    activity::note(format!("simulating at time {} s", settings.start));
     let mut simulation = Simulation::begin(program, settings, inputs, sources, sink)?;
     let outcome = simulation.run();
     simulation.recorder.flush(simulation.sink);

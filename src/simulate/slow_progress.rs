@@ -6,6 +6,7 @@
 //! for some steps; the one that switches most is named, with the remedy: by an error if the limit of
 //! steps would end the run anyway.
 
+use crate::base::activity;
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::Span;
 use crate::ir::expr::{ExprId, Node};
@@ -92,6 +93,7 @@ impl Simulation<'_, '_> {
             let done = (t - self.progress.since) / (self.stop - self.start);
             let is_slow = done < PROGRESS;
             self.progress.is_hopeless = done < LEAST_PROGRESS;
+            activity::note(format!("simulating at time {t} s"));
             let events = std::mem::take(&mut self.progress.events);
             self.progress.steps = 0;
             self.progress.since = t;

@@ -56,10 +56,8 @@ fn compare(time: Duration, each: usize) -> Vec<String> {
             &["--tolerance", "1e-6"],
             &["--mode", "dae", "--tolerance", "1e-8"],
         ];
-        let mut others: Vec<(String, Result<Outcome, String>)> = ways
-            .into_iter()
-            .map(|way| (way.join(" "), run(&scratch, &text, way)))
-            .collect();
+        let mut others: Vec<(String, Result<Outcome, String>)> =
+            ways.into_iter().map(|way| (way.join(" "), run(&scratch, &text, way))).collect();
         if let Some(flat) = flat(&scratch, &text) {
             others.push(("flat model".into(), run(&scratch, &flat, &["--tolerance", "1e-8"])));
         }

@@ -163,35 +163,90 @@ fn library() -> Vec<String> {
 }
 
 const NUMBERS: [&str; 14] = [
-    "0", "1", "-1", "2", "0.5", "1e-12", "1e-3", "1e3", "1e12", "1e-300", "1e300", "3.7", "2147483648", "100",
+    "0",
+    "1",
+    "-1",
+    "2",
+    "0.5",
+    "1e-12",
+    "1e-3",
+    "1e3",
+    "1e12",
+    "1e-300",
+    "1e300",
+    "3.7",
+    "2147483648",
+    "100",
 ];
 const OPERATORS: [&str; 16] =
     ["+", "-", "*", "/", "^", "<", ">", "<=", ">=", "==", "<>", " and ", " or ", "=", ":=", ".*"];
 const PREFIXES: [&str; 12] = [
-    "parameter", "constant", "discrete", "flow", "input", "output", "final", "inner", "outer",
-    "replaceable", "protected", "public",
+    "parameter",
+    "constant",
+    "discrete",
+    "flow",
+    "input",
+    "output",
+    "final",
+    "inner",
+    "outer",
+    "replaceable",
+    "protected",
+    "public",
 ];
 const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "String", "StateSelect"];
 /// What a name or a number may become: the text takes the place of `#`.
 const AROUND: [&str; 28] = [
-    "der(#)", "pre(#)", "sin(#)", "sqrt(#)", "log(#)", "exp(#)", "abs(#)", "sign(#)", "noEvent(#)",
-    "smooth(0, #)", "delay(#, 0.1)", "integer(#)", "floor(#)", "mod(#, 2)", "max(#, 0)", "(-#)", "(#)^2",
-    "(if # > 0 then # else 0)", "sum({#, #})", "(# + time)", "(#*time)", "1/(#)", "not #", "edge(#)",
-    "(sample(0, 0.1) and #)", "size(#, 1)", "{#, #}[1]", "initial()",
+    "der(#)",
+    "pre(#)",
+    "sin(#)",
+    "sqrt(#)",
+    "log(#)",
+    "exp(#)",
+    "abs(#)",
+    "sign(#)",
+    "noEvent(#)",
+    "smooth(0, #)",
+    "delay(#, 0.1)",
+    "integer(#)",
+    "floor(#)",
+    "mod(#, 2)",
+    "max(#, 0)",
+    "(-#)",
+    "(#)^2",
+    "(if # > 0 then # else 0)",
+    "sum({#, #})",
+    "(# + time)",
+    "(#*time)",
+    "1/(#)",
+    "not #",
+    "edge(#)",
+    "(sample(0, 0.1) and #)",
+    "size(#, 1)",
+    "{#, #}[1]",
+    "initial()",
 ];
 /// Statements that are inserted; `#` is a name.
 const STATEMENTS: [&str; 12] = [
-    "der(#) = -#;", "# = 0;", "# = time;", "when # > 0.5 then reinit(#, 0); end when;",
-    "if # > 0 then # = 1; else # = 2; end if;", "assert(# < 1, \"large\", AssertionLevel.warning);",
-    "when sample(0, 0.1) then # = pre(#) + 1; end when;", "connect(#, #);", "equation", "algorithm",
-    "initial equation", "for i in 1:3 loop # = i; end for;",
+    "der(#) = -#;",
+    "# = 0;",
+    "# = time;",
+    "when # > 0.5 then reinit(#, 0); end when;",
+    "if # > 0 then # = 1; else # = 2; end if;",
+    "assert(# < 1, \"large\", AssertionLevel.warning);",
+    "when sample(0, 0.1) then # = pre(#) + 1; end when;",
+    "connect(#, #);",
+    "equation",
+    "algorithm",
+    "initial equation",
+    "for i in 1:3 loop # = i; end for;",
 ];
 
-/// One of the sources with up to six changes.
+/// One of the sources with up to three changes.
 fn mutant(words: &[Vec<&str>], random: &mut Random) -> String {
     let first = random.below(words.len());
     let mut text: Vec<String> = words[first].iter().map(|t| (*t).to_owned()).collect();
-    for _ in 0..1 + random.below(6) {
+    for _ in 0..1 + random.below(3) {
         if text.is_empty() {
             break;
         }
@@ -291,8 +346,44 @@ fn change(text: &mut Vec<String>, words: &[Vec<&str>], random: &mut Random) {
 }
 
 const KEYWORDS: [&str; 40] = [
-    "model", "class", "package", "block", "record", "connector", "function", "type", "end", "equation",
-    "algorithm", "initial", "if", "then", "else", "elseif", "for", "in", "loop", "when", "elsewhen", "while",
-    "parameter", "constant", "discrete", "flow", "input", "output", "extends", "import", "within", "final",
-    "each", "redeclare", "replaceable", "protected", "public", "and", "or", "not",
+    "model",
+    "class",
+    "package",
+    "block",
+    "record",
+    "connector",
+    "function",
+    "type",
+    "end",
+    "equation",
+    "algorithm",
+    "initial",
+    "if",
+    "then",
+    "else",
+    "elseif",
+    "for",
+    "in",
+    "loop",
+    "when",
+    "elsewhen",
+    "while",
+    "parameter",
+    "constant",
+    "discrete",
+    "flow",
+    "input",
+    "output",
+    "extends",
+    "import",
+    "within",
+    "final",
+    "each",
+    "redeclare",
+    "replaceable",
+    "protected",
+    "public",
+    "and",
+    "or",
+    "not",
 ];

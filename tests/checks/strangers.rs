@@ -81,13 +81,16 @@ fn a_model_writes_only_new_files_beside_the_results() {
 
 #[test]
 fn strings_of_a_model_are_shown_and_never_obeyed() {
-    let scratch = with_model("external/print/strings_that_command", "COMMAND", "\u{1b}]0;title\u{7}");
+    let scratch =
+        with_model("external/print/strings_that_command", "COMMAND", "\u{1b}]0;title\u{7}");
     let folder = scratch.path();
-    let ran = mocc(folder, &["simulate", "models/model.mo", "--output", "x.csv", "--plot", "x.svg"]);
+    let ran =
+        mocc(folder, &["simulate", "models/model.mo", "--output", "x.csv", "--plot", "x.svg"]);
     assert_eq!(ran.status, 0, "{}", ran.err);
     assert!(!says(&ran, "\u{1b}") && !says(&ran, "\u{7}"), "{:?}", ran.err);
     assert!(says(&ran, "late"), "{}", ran.err);
-    let reported = mocc(folder, &["report", "models/model.mo", "--output", "x.html", "--diagram", "d.svg"]);
+    let reported =
+        mocc(folder, &["report", "models/model.mo", "--output", "x.html", "--diagram", "d.svg"]);
     assert_eq!(reported.status, 0, "{}", reported.err);
     for file in ["x.svg", "x.html", "d.svg"] {
         let Ok(text) = fs::read_to_string(folder.join(file)) else { continue };
