@@ -61,7 +61,7 @@ fn indicators<'a>(machine: &'a Machine<'_>) -> &'a [f64] {
 impl Locator {
     /// Monitors all state-dependent relations of a program.
     pub fn new(program: &Program) -> Self {
-        let relations = (0..program.events.relation_triggers.len() as u32)
+        let relations: Vec<u32> = (0..program.events.relation_triggers.len() as u32)
             .filter(|k| program.events.relation_triggers[*k as usize] == RelationTrigger::State)
             .collect();
         let hysteresis = vec![0.0; program.events.relation_triggers.len()];
