@@ -172,12 +172,12 @@ impl Evaluator<'_> {
         if recurring.is_none() && calls.len() < MAX_CHAIN {
             return false;
         }
-        // Calls that no condition guards never end, whatever the arguments.
-        let is_endless = |class: &ClassId| {
-            let mut repeated = calls.iter().skip_while(|c| c.class != *class).skip(1);
-            repeated.all(|c| c.certain)
+        // Without a word that decides, calls never end, whatever the arguments.
+        let can_end = |class: &ClassId| {
+            let cycle: FastSet<ClassId> =
+                calls.iter().skip_while(|c| c.class != *class).map(|c| c.class).collect();
+            cycle.iter().any(|c| self.decides(*c))
         };
-        let can_end = |class: &ClassId| !is_endless(class);
         let makes = |c: &ClassId| !self.mode.fold && can_be_made(c) && can_end(c);
         if let Some(recurring) = recurring.filter(makes) {
             self.recursions.unwinding = Some(Unwinding::To(recurring));
@@ -193,6 +193,15 @@ impl Evaluator<'_> {
         self.problems.push(diagnostic);
         self.recursions.unwinding = Some(Unwinding::Out);
         true
+    }
+
+    /// True if the text of a function holds anything by which it may end without calling itself.
+    fn decides(&self, class: ClassId) -> bool {
+        const WORDS: [&str; 7] = ["if", "while", "for", "return", "break", "and", "or"];
+        let text = self.definition(class).and_then(|definition| self.sources.text(definition.span));
+        let Some(text) = text else { return true };
+        let mut words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
+        words.any(|word| WORDS.contains(&word))
     }
 
     /// Opens a call. `left` are the conditions under which the caller was left before it.

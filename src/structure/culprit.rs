@@ -228,19 +228,22 @@ fn owner(stated: &Stated, v: VarId) -> u32 {
 }
 
 fn whole(dae: &Dae, stated: &Stated) -> Whole {
+    // Derivatives and flags that lowering has added come after the variables of the flat model.
+    let declared = stated.ownership.owner.len();
+    let count = if declared == 0 { dae.variables.len() } else { declared };
     let is_unknown = |v: VarId| {
         let kind = dae.variables[v].kind;
         let is_known = matches!(
             kind,
             VariableKind::Parameter | VariableKind::InitialParameter | VariableKind::Input
         );
-        !is_known && dae.variables[v].derivative_of.is_none() && !stated.by_when.contains(&v)
+        // A variable of the model may be the name of a derivative.
+        let is_added = declared == 0 || v.0 as usize >= declared;
+        let is_derivative = is_added && dae.variables[v].name.starts_with("der(");
+        !is_known && !is_derivative && !stated.by_when.contains(&v)
     };
     let mut col: FastMap<VarId, Col> = FastMap::default();
     let mut unknowns = Vec::new();
-    // Derivatives and flags that lowering has added come after the variables of the flat model.
-    let declared = stated.ownership.owner.len();
-    let count = if declared == 0 { dae.variables.len() } else { declared };
     let read = |e: &crate::ir::dae::StatedEquation| -> Vec<VarId> {
         let nodes = dae.graph.postorder([e.lhs, e.rhs]).into_iter();
         let variable = |id| match dae.graph.node(id) {

@@ -84,7 +84,7 @@ impl Connections {
             let origin = Origin { span: flat.variables[v].span, component };
             flat.equations.push(Equation { kind: EquationKind::Equal(e, zero), origin });
         }
-        if any_connected {
+        if any_connected && !cx.problems.has_errors() {
             report_isolated(cx, root, &connected);
         }
     }
@@ -118,7 +118,9 @@ fn report_isolated(
         connected.iter().filter(|(_, is_connected)| !**is_connected).map(|(id, _)| *id).collect();
     isolated.sort_unstable();
     for component in isolated {
-        if component == root || acts_otherwise(cx, component) {
+        // Within components, connectors may be left open on purpose.
+        let is_own = cx.instances[component].parent == Some(root);
+        if component == root || !is_own || acts_otherwise(cx, component) {
             continue;
         }
         let cause = ConnectCause::IsolatedComponent { path: cx.path(component) };

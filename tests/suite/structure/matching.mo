@@ -127,8 +127,8 @@ model Pair
   Boolean a;
   Boolean b;
 equation
-  a = not b;
   //@ warning[MO0410] 3-11
+  a = not b;
   b = not a;
 end Pair;
 
@@ -137,7 +137,7 @@ model Latch
   Boolean a;
   Real x = if a then 1 else 2;
 equation
-  //@ error[MO0410] 3-13
+  //@ error[MO0410] 3-16
   a = a or false;
 end Latch;
 
