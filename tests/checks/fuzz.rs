@@ -68,15 +68,14 @@ fn fuzz(numbers: std::ops::Range<u64>, time: Duration) -> Vec<String> {
             match ran.failure() {
                 Some("time") => {
                     limited += 1;
-                    eprintln!("text {number} runs for long ({described})");
+                    let kept = keep(number, &text);
+                    eprintln!("text {number} runs for long ({described}), {}", kept.display());
                 }
                 ended => failure = ended.map(|why| format!("{why} ({described})")),
             }
         }
         if let Some(why) = failure {
-            let kept = std::env::temp_dir().join(format!("mocc-fuzz-{number}.mo"));
-            // Without the file the number still tells which text it was.
-            let _ = std::fs::write(&kept, &text);
+            let kept = keep(number, &text);
             failures.push(format!("{why}: text {number}, {}", kept.display()));
             eprintln!("{}", failures[failures.len() - 1]);
         }
@@ -88,6 +87,14 @@ fn fuzz(numbers: std::ops::Range<u64>, time: Duration) -> Vec<String> {
         failures.len()
     );
     failures
+}
+
+/// Keeps a text: its number tells which one it was only as long as the sources stay the same.
+fn keep(number: u64, text: &str) -> PathBuf {
+    let kept = std::env::temp_dir().join(format!("mocc-fuzz-{number}.mo"));
+    // The message is worth more than the file.
+    let _ = std::fs::write(&kept, text);
+    kept
 }
 
 /// How a command ended.

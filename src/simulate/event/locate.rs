@@ -15,8 +15,8 @@ use super::dips::Samples;
 
 /// Number of steps within which an indicator turns more than once, and their share of all steps, from
 /// which on its changes may be missed.
-const RESTLESS: u32 = 20;
-const RESTLESS_SHARE: f64 = 0.1;
+const RESTLESS: u32 = 4;
+const RESTLESS_SHARE: f64 = 0.002;
 /// Points within a step, as fractions, at which relations are probed in addition to its end.
 const PROBES: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 /// Maximum number of failed evaluations within one step.
@@ -135,6 +135,7 @@ impl Locator {
             while left < target {
                 match self.evaluate(system, stepper, right) {
                     Ok(()) if self.switched(&system.machine).next().is_some() => {
+                        self.look_beyond(system, stepper, right);
                         return Ok(Some(self.enclose(system, stepper, left, right)));
                     }
                     Ok(()) => {
@@ -159,13 +160,35 @@ impl Locator {
         }
         let found = self.first_dip(system, stepper)?;
         if found.is_none() {
-            self.looks += 1;
-            for (k, count) in self.relations.iter().zip(&mut self.restless) {
-                *count += u32::from(self.samples.is_restless(*k));
-            }
+            self.count_restless();
         }
         self.samples.end(t1);
         Ok(found)
+    }
+
+    /// Counts the relations that are restless in a step in which one has changed by `seen`, with samples
+    /// up to its end; the memory is then somewhere in the step.
+    fn look_beyond(&mut self, system: &mut HybridSystem<'_>, stepper: &dyn Stepper, seen: f64) {
+        self.samples.add(seen, indicators(&system.machine));
+        let (t0, t1) = (stepper.t_previous(), stepper.t());
+        let later = PROBES.map(|fraction| t0 + fraction * (t1 - t0)).into_iter().chain([t1]);
+        for t in later.filter(|t| *t > seen) {
+            // Beyond the event the held branch need not have values.
+            if self.evaluate(system, stepper, t).is_ok() {
+                self.samples.add(t, indicators(&system.machine));
+            }
+        }
+        self.count_restless();
+        self.samples.clear();
+        // As it was: what has changed is read from the memory.
+        let _ = self.evaluate(system, stepper, seen);
+    }
+
+    fn count_restless(&mut self) {
+        self.looks += 1;
+        for (k, count) in self.relations.iter().zip(&mut self.restless) {
+            *count += u32::from(self.samples.is_restless(*k));
+        }
     }
 
     /// The relations whose indicators turned so often within steps that changes may have been missed.
