@@ -78,6 +78,20 @@ pub fn render(diagnostic: &Diagnostic, sources: &SourceMap, style: Style) -> Str
     renderer.render(&report)
 }
 
+/// A text of a model as a terminal shows it safely: without control characters that would move the
+/// cursor, set its title or change the direction of letters.
+pub fn visible(text: &str) -> String {
+    let shown = |c: char| match c {
+        '\n' | '\t' => c,
+        // The pictures of control characters.
+        '\0'..='\x1f' => char::from_u32(0x2400 + c as u32).unwrap_or('\u{fffd}'),
+        '\x7f' => '\u{2421}',
+        '\u{80}'..='\u{9f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => '\u{fffd}',
+        c => c,
+    };
+    text.chars().map(shown).collect()
+}
+
 /// The span as a range that lies inside the text and on character boundaries.
 fn clamp(text: &str, span: Span) -> std::ops::Range<usize> {
     let boundary = |mut i: usize| {
@@ -90,4 +104,16 @@ fn clamp(text: &str, span: Span) -> std::ops::Range<usize> {
     let start = boundary(span.start as usize);
     let end = boundary(span.end as usize).max(start);
     start..end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_cannot_command_the_terminal() {
+        let hostile = "a\x1b[31mred\x1b]0;title\x07\tb\n\u{202e}c\u{9b}1m\r";
+        let shown = visible(hostile);
+        assert_eq!(shown, "a␛[31mred␛]0;title␇\tb\n\u{fffd}c\u{fffd}1m␍");
+    }
 }

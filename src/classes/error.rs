@@ -16,6 +16,36 @@ impl ClassGraph<'_> {
         self.problems.push(Diagnostic::new(cause, span));
     }
 
+    /// True if an import clause around `scope` names a class of this name: that it does not exist was
+    /// reported there.
+    fn is_of_missing_import(&self, wanted: Name, scope: Scope) -> bool {
+        let mut class = Some(scope.class);
+        while let Some(at) = class {
+            let composition = self.definition(at).map(|text| &text.body);
+            if let Some(ast::ClassBody::Long(composition)) = composition {
+                let imports = composition.elements.iter().filter_map(|e| match &e.kind {
+                    ast::ElementKind::Import(import) => Some(import),
+                    _ => None,
+                });
+                let gives = |import: &ast::Import| match &import.form {
+                    ast::ImportForm::Qualified => {
+                        let own = import.path.parts.last();
+                        // Its own path may begin with the name that it gives.
+                        import.path.parts.len() > 1 && own.is_some_and(|p| p.name == wanted)
+                    }
+                    ast::ImportForm::Renamed(name) => name.name == wanted,
+                    ast::ImportForm::List(names) => names.iter().any(|n| n.name == wanted),
+                    ast::ImportForm::All => false,
+                };
+                if imports.into_iter().any(gives) {
+                    return true;
+                }
+            }
+            class = self.classes[at].enclosing;
+        }
+        false
+    }
+
     /// Reports a construct that mocc does not have yet.
     pub fn unsupported(&mut self, span: Span, construct: Construct) {
         self.report(LanguageCause::Unsupported { construct }, span);
@@ -25,6 +55,9 @@ impl ClassGraph<'_> {
         let Some(first) = path.parts.first() else { return };
         if path.parts.len() == 1 && first.name.as_str() == "Clock" {
             return self.unsupported(path.span, Construct::Clocks);
+        }
+        if self.is_of_missing_import(first.name, scope) {
+            return;
         }
         let mut candidates = Vec::new();
         let mut inside = None;

@@ -290,7 +290,10 @@ impl ClassGraph<'_> {
                 ElementKind::Import(_) => {}
                 ElementKind::Extends(extends) => {
                     let scope = Scope { instance: self.classes[class].holder, class };
-                    let Some(base) = self.class_or_report(&extends.base, scope) else { continue };
+                    let Some(base) = self.class_or_report(&extends.base, scope) else {
+                        table.lacks_base = true;
+                        continue;
+                    };
                     self.check_extends(class, base, &extends.base, scope);
                     bases.push(base);
                     let base = self.with_redeclarations(base, own.clone());
@@ -422,6 +425,7 @@ impl ClassGraph<'_> {
         protected: bool,
     ) {
         let inherited = self.table(base);
+        table.lacks_base |= inherited.lacks_base;
         if let Some(ty) = inherited.scalar {
             table.scalar = Some(ty);
             table.layers.extend(layers.iter().cloned());

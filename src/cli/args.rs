@@ -67,6 +67,9 @@ pub struct Model {
     /// Folder with libraries, in addition to MODELICAPATH and the shipped library; repeatable.
     #[arg(long = "lib", value_name = "DIR")]
     pub folders: Vec<PathBuf>,
+    /// Folder whose data files the model may read, in addition to its own and those of libraries; repeatable.
+    #[arg(long, value_name = "DIR")]
+    pub allow_read: Vec<PathBuf>,
 }
 
 /// Limits of a command.
@@ -92,6 +95,9 @@ pub struct Check {
     /// Folder with libraries, in addition to MODELICAPATH and the shipped library; repeatable.
     #[arg(long = "lib", value_name = "DIR")]
     pub folders: Vec<PathBuf>,
+    /// Folder whose data files the model may read, in addition to its own and those of libraries; repeatable.
+    #[arg(long, value_name = "DIR")]
+    pub allow_read: Vec<PathBuf>,
     /// Severity of mismatched units.
     #[arg(long, value_enum, value_name = "HOW", default_value = "warning")]
     pub units: Units,
@@ -163,6 +169,9 @@ pub struct Simulate {
     /// Variables to draw, separated by commas.
     #[arg(long, value_name = "NAME,...")]
     pub show: Option<String>,
+    /// Folder in which the model may write files, in addition to that of the results; repeatable.
+    #[arg(long, value_name = "DIR")]
+    pub allow_write: Vec<PathBuf>,
     /// List all events with their cause and source location.
     #[arg(long)]
     pub events: bool,
@@ -423,8 +432,8 @@ pub struct Evaluate {
 impl Model {
     /// The request to the compiler.
     pub fn request(&self) -> Request {
-        let settings = self.settings.clone();
-        Request { settings, ..request(&self.file, &self.model, &self.folders) }
+        let (settings, readable) = (self.settings.clone(), self.allow_read.clone());
+        Request { settings, readable, ..request(&self.file, &self.model, &self.folders) }
     }
 }
 
@@ -439,7 +448,8 @@ impl Check {
 
     /// The request to the compiler.
     pub fn request(&self) -> Request {
-        request(&self.file, &self.model, &self.folders)
+        let readable = self.allow_read.clone();
+        Request { readable, ..request(&self.file, &self.model, &self.folders) }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::args::Explain;
-use super::{Status, print, style_of};
+use super::{Status, print, print_styled, style_of};
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::render::Style;
 use crate::driver::files::error_pages;
@@ -16,7 +16,7 @@ pub fn run(options: &Explain) -> Status {
     let pages = error_pages();
     let Some(wanted) = &options.code else { return print(&list(&pages)) };
     match find(wanted, &pages) {
-        Ok(page) => print(&shown(page, style_of(&std::io::stdout()))),
+        Ok(page) => print_styled(&shown(page, style_of(&std::io::stdout()))),
         Err(why) => {
             eprintln!("error: {why}");
             Status::Usage

@@ -1,4 +1,14 @@
 //! The command line: parses arguments, calls the library, prints and writes. Arguments in, exit status out.
+
+/// As that of the standard library, but for a reader who has gone: then nobody misses the line.
+macro_rules! eprint {
+    ($($text:tt)*) => { $crate::cli::to_standard_error(format_args!($($text)*)) };
+}
+/// As [`eprint!`], with the end of the line.
+macro_rules! eprintln {
+    ($($text:tt)*) => { $crate::cli::to_standard_error(format_args!("{}\n", format_args!($($text)*))) };
+}
+
 pub mod args;
 pub mod budget;
 pub mod calibrate;
@@ -23,7 +33,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use crate::base::diag::Problems;
-use crate::base::render::{Style, render_all};
+use crate::base::render::{Style, render_all, visible};
 use crate::base::source::SourceMap;
 use crate::driver::compile::{CompileError, Session};
 use crate::simulate::failure::FailureKind;
@@ -127,6 +137,12 @@ fn modelica_path() -> Option<OsString> {
     std::env::var_os("MODELICAPATH")
 }
 
+/// Writes to the standard error; a closed pipe or a full disk behind it does not end the command.
+fn to_standard_error(text: std::fmt::Arguments<'_>) {
+    use std::io::Write;
+    let _ = std::io::stderr().lock().write_fmt(text);
+}
+
 /// Writes the diagnostics of a session to the standard error.
 fn say(session: &Session) {
     say_problems(&session.problems, &session.sources);
@@ -142,8 +158,15 @@ fn say_problems(problems: &Problems, sources: &SourceMap) {
     }
 }
 
-/// Writes a result to the standard output. A reader that closes the pipe early is not an error.
+/// Writes a result to the standard output. On a terminal, characters of the model cannot command it.
 fn print(text: &str) -> Status {
+    use std::io::IsTerminal;
+    if std::io::stdout().is_terminal() { print_styled(&visible(text)) } else { print_styled(text) }
+}
+
+/// As [`print`], for a text that may hold escape codes. A reader that closes the pipe early is not an
+/// error.
+fn print_styled(text: &str) -> Status {
     use std::io::{ErrorKind, Write};
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

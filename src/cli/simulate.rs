@@ -1,6 +1,6 @@
 //! `mocc simulate`: compiles and runs a model, and writes its results.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::args::Simulate;
@@ -10,6 +10,7 @@ use super::{Status, interrupt, print, running, say, style};
 use crate::base::render::render;
 use crate::driver::compile::{Request, Session};
 use crate::io::format::Format;
+use crate::io::printout::Printout;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Trajectory, position};
 use crate::measure::observe::{Observer, Plan};
@@ -169,7 +170,10 @@ impl Files {
             Some(path) => Some((path.clone(), Format::of(path).map_err(|e| e.to_string())?)),
             None => None,
         };
+        let folder = self.table.as_ref().or(self.picture.as_ref()).and_then(|path| path.parent());
+        let printout = Printout::new(folder.unwrap_or(Path::new("")), &options.allow_write);
         Stream::new(columns, &column_storage(program)[..columns.len()], output, kept)
+            .map(|stream| stream.with_printout(printout))
             .map_err(|e| e.to_string())
     }
 

@@ -1,15 +1,16 @@
 //! Rows of a run on their way to the file, and the few curves that a picture may need.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use super::interrupt;
 use super::print;
 use super::progress::Progress;
 use super::writer::Writer;
-use crate::io::atomic_file::append;
+use crate::base::render::visible;
 use crate::io::csv::TableError;
 use crate::io::format::Format;
+use crate::io::printout::Printout;
 use crate::io::results::{Header, Results};
 use crate::ir::trajectory::{Column, ColumnStorage, Constant, Event, Kind, Trajectory};
 use crate::simulate::record::Sink;
@@ -33,6 +34,8 @@ pub struct Stream {
     trouble: Option<TableError>,
     progress: Option<Progress>,
     kept: Vec<usize>,
+    /// Files that the model itself writes.
+    printout: Printout,
     /// The kept columns, and all events.
     pub trajectory: Trajectory,
 }
@@ -54,7 +57,13 @@ impl Stream {
             None => None,
         };
         let trajectory = Trajectory::new(kept.iter().map(|&k| columns[k].clone()).collect());
-        Ok(Stream { output, trouble: None, progress: None, kept, trajectory })
+        let printout = Printout::default();
+        Ok(Stream { output, trouble: None, progress: None, kept, printout, trajectory })
+    }
+
+    /// With the bounds of what the model may write; without them it writes no file.
+    pub fn with_printout(self, printout: Printout) -> Self {
+        Stream { printout, ..self }
     }
 
     /// Shows how far the run has come, until [`Stream::hide`].
@@ -143,8 +152,8 @@ impl Sink for Stream {
             print(&format!("{line}\n"));
             return;
         }
-        if let Err(why) = append(Path::new(file), line) {
-            eprintln!("warning: cannot write `{file}`: {why}");
+        if let Err(why) = self.printout.append(file, line) {
+            eprintln!("warning: `{}` is not written: {why}", visible(file));
         }
     }
 

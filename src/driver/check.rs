@@ -6,12 +6,14 @@
 //! component is counted by itself, a file is checked locally and globally (MLS 3.6, section 4.7).
 
 use super::compile::{CompileError, Request, Session, find_in, model, models};
+use crate::base::activity;
 use crate::base::diag::{Diagnostic, Problems, Severity};
 use crate::base::index::FastSet;
 use crate::classes::ClassGraph;
 use crate::classes::cause::ClassCause;
 use crate::evaluate::Evaluator;
 use crate::evaluate::cause::holds_for_all_arguments;
+use crate::instantiate::cause::InstantiateCause;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::instance::{ClassId, EntryKind, Scope};
 use crate::lower::error::LoweringCause;
@@ -44,8 +46,7 @@ impl Session {
     }
 
     fn check_classes(&mut self, request: &Request) -> Result<(), CompileError> {
-        let path = request.modelica_path.as_deref();
-        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let mut library = Library::new(super::files::folders(request));
         let file = self.read(request, &mut library)?;
         if self.problems.has_errors() {
             return Err(CompileError::Model);
@@ -83,10 +84,19 @@ impl Session {
                 &mut library,
                 snapshot.clone(),
             ));
+            activity::note(format!("checking `{name}`"));
             if runs.contains(&name) {
                 one(cx, class);
             } else if is_function(&cx, class) {
                 read(cx, class);
+            }
+            // The classes that contain this one would take as long to refuse.
+            let is_too_large = |cause: &InstantiateCause| {
+                matches!(cause, InstantiateCause::TooManyComponents { .. })
+            };
+            if problems.iter().any(|d| d.is(is_too_large)) {
+                self.add(problems);
+                break;
             }
             // All of its errors may follow from the missing outer component.
             if !problems.iter().any(lacks_inner) {

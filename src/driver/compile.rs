@@ -83,6 +83,8 @@ pub struct Request {
     pub form: SystemForm,
     /// Folders of libraries.
     pub folders: Vec<PathBuf>,
+    /// Folders whose data files the model may read, besides its own and those of libraries.
+    pub readable: Vec<PathBuf>,
     /// The value of `MODELICAPATH`.
     pub modelica_path: Option<std::ffi::OsString>,
 }
@@ -149,8 +151,7 @@ impl Session {
         flat: impl Fn(&T) -> &FlatModel,
     ) -> Result<T, CompileError> {
         let begun = Instant::now();
-        let path = request.modelica_path.as_deref();
-        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let mut library = Library::new(super::files::folders(request));
         let file = self.read(request, &mut library)?;
         self.checked(CompileError::Model)?;
         let mut settings = Vec::with_capacity(request.settings.len());
@@ -193,8 +194,7 @@ impl Session {
 
     /// The full names of the classes of a package, sorted; the empty name is the top level.
     pub fn members(&mut self, request: &Request, package: &str) -> Vec<String> {
-        let path = request.modelica_path.as_deref();
-        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let mut library = Library::new(super::files::folders(request));
         let mut cx =
             Evaluator::new(ClassGraph::new(&mut self.sources, &mut self.problems, &mut library));
         if !package.is_empty() && find(&mut cx, package).is_none() {
@@ -209,8 +209,7 @@ impl Session {
 
     /// Classes of libraries that have an annotation `__mocc`, each with its entries.
     pub fn annotated(&mut self, request: &Request, classes: &[String]) -> Vec<Annotated> {
-        let path = request.modelica_path.as_deref();
-        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let mut library = Library::new(super::files::folders(request));
         let mut cx =
             Evaluator::new(ClassGraph::new(&mut self.sources, &mut self.problems, &mut library));
         let mut out = Vec::new();
@@ -227,8 +226,7 @@ impl Session {
     /// The entries of the annotation `__mocc` of the requested model; none if it cannot be found.
     pub fn own_annotation(&mut self, request: &Request) -> Annotated {
         let mut found = Annotated { class: String::new(), entries: Vec::new() };
-        let path = request.modelica_path.as_deref();
-        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let mut library = Library::new(super::files::folders(request));
         let Ok(file) = self.read(request, &mut library) else { return found };
         let mut cx =
             Evaluator::new(ClassGraph::new(&mut self.sources, &mut self.problems, &mut library));

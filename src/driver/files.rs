@@ -9,6 +9,8 @@ use crate::ir::ast;
 use crate::resolve::library::Folder;
 use crate::resolve::version::of_entry;
 
+use super::compile::Request;
+
 /// The shipped library.
 static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/lib");
 
@@ -56,8 +58,35 @@ impl Folder for Shipped {
     }
 }
 
-/// Data files by the names that the model gives them; contains no classes.
-pub struct AsNamed;
+/// Why a data file is not read.
+const OUTSIDE: &str = "it is outside of the folders of the model and its libraries; \
+                       allow it with `--allow-read DIR`";
+
+/// Data files by the names that the model gives them, within bounds; contains no classes. A model of
+/// somebody else must not reach files that its user never meant to show.
+pub struct AsNamed {
+    /// The folder of the model's file: everything in it but hidden files.
+    own: Option<PathBuf>,
+    /// Folders that the user allows.
+    allowed: Vec<PathBuf>,
+}
+
+impl AsNamed {
+    fn allows(&self, file: &Path) -> bool {
+        let Ok(file) = file.canonicalize() else { return false };
+        let within = |folder: &PathBuf| {
+            let folder = folder.canonicalize().ok()?;
+            file.strip_prefix(folder).ok().map(Path::to_path_buf)
+        };
+        self.own.as_ref().and_then(within).is_some_and(|inside| !is_hidden(&inside))
+            || self.allowed.iter().any(|folder| within(folder).is_some())
+    }
+}
+
+/// True for a path with a part that begins with a dot: settings and keys are kept there.
+fn is_hidden(path: &Path) -> bool {
+    path.iter().any(|part| part.to_string_lossy().starts_with('.'))
+}
 
 impl Folder for AsNamed {
     fn entries(&self, _: &Path) -> Vec<String> {
@@ -69,7 +98,12 @@ impl Folder for AsNamed {
     }
 
     fn data(&self, path: &Path) -> Option<Result<Vec<u8>, String>> {
-        path.is_file().then(|| std::fs::read(path).map_err(|e| e.to_string()))
+        path.is_file().then(|| {
+            if !self.allows(path) {
+                return Err(OUTSIDE.to_owned());
+            }
+            std::fs::read(path).map_err(|e| e.to_string())
+        })
     }
 
     fn display(&self, path: &Path) -> PathBuf {
@@ -77,8 +111,22 @@ impl Folder for AsNamed {
     }
 }
 
-/// A folder on disk.
+/// A folder on disk. Its data files are those of the packages in it.
 pub struct OnDisk(pub PathBuf);
+
+impl OnDisk {
+    /// The package in this folder that a file belongs to.
+    fn package_of(&self, file: &Path) -> Option<PathBuf> {
+        let file = file.canonicalize().ok()?;
+        let entries =
+            std::fs::read_dir(if self.0.as_os_str().is_empty() { Path::new(".") } else { &self.0 });
+        let folders = entries.ok()?.flatten().map(|entry| entry.path());
+        let packages = folders.filter(|folder| folder.join("package.mo").is_file());
+        packages
+            .filter_map(|p| p.canonicalize().ok())
+            .find(|package| file.strip_prefix(package).is_ok_and(|inside| !is_hidden(inside)))
+    }
+}
 
 impl Folder for OnDisk {
     fn entries(&self, path: &Path) -> Vec<String> {
@@ -106,8 +154,12 @@ impl Folder for OnDisk {
     }
 
     fn data(&self, path: &Path) -> Option<Result<Vec<u8>, String>> {
-        let full = self.0.join(path);
-        full.is_file().then(|| std::fs::read(full).map_err(|e| e.to_string()))
+        // The path may be that of `display`, which begins with this folder.
+        let full = Some(self.0.join(path)).filter(|f| f.is_file()).unwrap_or_else(|| path.into());
+        full.is_file().then(|| match self.package_of(&full) {
+            Some(_) => std::fs::read(full).map_err(|e| e.to_string()),
+            None => Err(OUTSIDE.to_owned()),
+        })
     }
 
     fn display(&self, path: &Path) -> PathBuf {
@@ -177,12 +229,18 @@ pub fn home(file: &Path, within: Option<&ast::Path>) -> Option<Home> {
 }
 
 /// Folders to search: those named, then those of `MODELICAPATH`, then the shipped library.
-pub fn folders(named: &[PathBuf], modelica_path: Option<&std::ffi::OsStr>) -> Vec<Box<dyn Folder>> {
-    let mut all: Vec<Box<dyn Folder>> = vec![Box::new(AsNamed)];
-    for path in named {
+pub fn folders(request: &Request) -> Vec<Box<dyn Folder>> {
+    let folder_of = |file: &PathBuf| {
+        let parent = file.parent().filter(|p| !p.as_os_str().is_empty());
+        parent.map_or_else(|| PathBuf::from("."), Path::to_path_buf)
+    };
+    let own = request.file.as_ref().map(folder_of);
+    let mut all: Vec<Box<dyn Folder>> =
+        vec![Box::new(AsNamed { own, allowed: request.readable.clone() })];
+    for path in &request.folders {
         all.push(Box::new(OnDisk(path.clone())));
     }
-    for path in modelica_path.into_iter().flat_map(std::env::split_paths) {
+    for path in request.modelica_path.iter().flat_map(std::env::split_paths) {
         if !path.as_os_str().is_empty() {
             all.push(Box::new(OnDisk(path)));
         }

@@ -19,6 +19,21 @@ use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 use crate::symbolic::gradient::{Leaf, time_derivative};
 
+/// Operators that refer to variables or to the run of a model, which functions do not have (section
+/// 12.2).
+const OF_MODELS: [&str; 10] = [
+    "der",
+    "pre",
+    "edge",
+    "change",
+    "initial",
+    "terminal",
+    "sample",
+    "delay",
+    "spatialDistribution",
+    "cardinality",
+];
+
 /// Everything else that is called by a simple name, for "did you mean".
 const OTHERS: [&str; 42] = [
     "getInstanceName",
@@ -278,6 +293,10 @@ impl Evaluator<'_> {
         span: Span,
         scope: Scope,
     ) -> Option<Option<Value>> {
+        if self.frames.in_function() && OF_MODELS.contains(&name.as_str()) {
+            self.report(BuiltinCause::OperatorInFunction { name }, span);
+            return Some(None);
+        }
         if let Some(op) = Unary::called(&name) {
             return Some(self.unary_call(op, args, span, scope));
         }

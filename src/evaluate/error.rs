@@ -26,11 +26,22 @@ impl Evaluator<'_> {
 
     /// A name in an expression that is not declared.
     pub(crate) fn report_unknown_name(&mut self, wanted: Name, span: Span, scope: Scope) {
+        // A function may be executed very often.
+        let is_same = |d: &Diagnostic| {
+            let is_name = |cause: &NameCause| matches!(cause, NameCause::UnknownName { .. });
+            d.primary.0 == span && d.is(is_name)
+        };
+        if self.frames.in_function() && self.problems.iter().any(is_same) {
+            return;
+        }
         let mut names = Vec::new();
         for name in self.frames.names() {
             names.push(name.to_string());
         }
         let table = self.table_of(scope.instance);
+        if table.lacks_base {
+            return;
+        }
         names.extend(table.entries.iter().map(|e| e.name.name.to_string()));
         names.push("time".into());
         let near = did_you_mean(&wanted, names.iter().map(String::as_str)).map(str::to_string);

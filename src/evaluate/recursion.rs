@@ -35,6 +35,9 @@ const MOST_OPEN: usize = 4;
 /// Number of calls that are executed for one call of the model.
 const MAX_CALLS: usize = 300_000;
 
+/// Number of functions that may call each other in a row without any calling itself.
+const MAX_CHAIN: usize = 1000;
+
 /// An open call of a function.
 pub(crate) struct Call {
     pub(super) class: ClassId,
@@ -164,12 +167,23 @@ impl Evaluator<'_> {
         if calls.len() < MAX_DEPTH {
             return false;
         }
-        let again = |c: &ClassId| calls.iter().filter(|d| d.class == *c).count() > 1;
-        let recurring = calls.iter().map(|c| c.class).find(again).unwrap_or(class);
-        if !self.mode.fold && can_be_made(&recurring) {
+        let mut met = FastSet::default();
+        let recurring = calls.iter().map(|c| c.class).find(|c| !met.insert(*c));
+        if recurring.is_none() && calls.len() < MAX_CHAIN {
+            return false;
+        }
+        // Without a word that decides, calls never end, whatever the arguments.
+        let can_end = |class: &ClassId| {
+            let cycle: FastSet<ClassId> =
+                calls.iter().skip_while(|c| c.class != *class).map(|c| c.class).collect();
+            cycle.iter().any(|c| self.decides(*c))
+        };
+        let makes = |c: &ClassId| !self.mode.fold && can_be_made(c) && can_end(c);
+        if let Some(recurring) = recurring.filter(makes) {
             self.recursions.unwinding = Some(Unwinding::To(recurring));
             return true;
         }
+        let recurring = recurring.unwrap_or(class);
         let full_name = self.classes[recurring].full_name;
         let cause = CallCause::DeepRecursion { function: full_name, most: MAX_DEPTH };
         let mut diagnostic = Diagnostic::new(cause, span);
@@ -179,6 +193,15 @@ impl Evaluator<'_> {
         self.problems.push(diagnostic);
         self.recursions.unwinding = Some(Unwinding::Out);
         true
+    }
+
+    /// True if the text of a function holds anything by which it may end without calling itself.
+    fn decides(&self, class: ClassId) -> bool {
+        const WORDS: [&str; 7] = ["if", "while", "for", "return", "break", "and", "or"];
+        let text = self.definition(class).and_then(|definition| self.sources.text(definition.span));
+        let Some(text) = text else { return true };
+        let mut words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
+        words.any(|word| WORDS.contains(&word))
     }
 
     /// Opens a call. `left` are the conditions under which the caller was left before it.

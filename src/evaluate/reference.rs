@@ -407,6 +407,17 @@ impl Evaluator<'_> {
     }
 
     pub(super) fn report_absent(&mut self, span: Span) {
+        // That the component has a condition says more than that it is absent.
+        let is_conditional = |d: &Diagnostic| {
+            let is_near = d.primary.0.file == span.file
+                && d.primary.0.start <= span.end
+                && span.start <= d.primary.0.end;
+            is_near
+                && d.is(|cause: &ClassCause| matches!(cause, ClassCause::ConditionalRead { .. }))
+        };
+        if self.problems.iter().any(is_conditional) {
+            return;
+        }
         self.problems.push(
             Diagnostic::new(NameCause::AbsentComponent, span)
                 .label("its condition is false, or nothing is connected to it")

@@ -15,6 +15,7 @@ mod history;
 mod if_equation;
 mod inline;
 pub mod inventory;
+mod ownership;
 pub mod parameter_override;
 pub mod print;
 pub mod variable;
@@ -108,7 +109,8 @@ fn flatten_with(
         equation::of_object(cx, object, &mut flat, &mut connections);
     }
     inspect(cx, root, &mut connections, &flat);
-    connections.equations(cx, &mut flat);
+    connections.equations(cx, root, &mut flat);
+    flat.ownership = ownership::of(cx, root, &flat);
     flat.experiment = experiment::inherited(cx, class, root);
     let variations = annotation::pairs(cx, (class, root), "varies");
     let passages = annotation::pairs(cx, (class, root), "through");

@@ -160,12 +160,6 @@ impl Drop for Temporary {
     }
 }
 
-/// Appends a line to a file, which is created if necessary.
-pub fn append(path: &Path, line: &str) -> io::Result<()> {
-    let mut file = OpenOptions::new().append(true).create(true).open(path)?;
-    writeln!(file, "{line}")
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;

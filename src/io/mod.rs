@@ -4,7 +4,7 @@
 //! [`records::Records`]; [`mod@format`] lists the formats, whose writers are in [`csv`],
 //! [`parquet`] and [`mat4`]. Recordings and matrices are read from CSV, MAT levels 4 and 5
 //! ([`mat5`]) and text ([`matrix_file`]). Every file appears complete or not at all
-//! ([`atomic_file`]).
+//! ([`atomic_file`]), but for what models print ([`printout`]).
 
 pub mod atomic_file;
 pub mod csv;
@@ -15,5 +15,6 @@ pub mod mat4;
 pub(crate) mod mat5;
 pub mod matrix_file;
 pub mod parquet;
+pub mod printout;
 pub mod records;
 pub mod results;

@@ -11,8 +11,8 @@
 use std::sync::Arc;
 
 use super::expr::{Binary, ExprId, FunctionId, Graph, Type, VarId};
-use super::flat::{Assert, Experiment, Function, Origin, StateSelect, Transport};
-use crate::base::index::IndexVec;
+use super::flat::{Assert, Experiment, Function, Origin, Ownership, StateSelect, Transport};
+use crate::base::index::{FastSet, IndexVec};
 use crate::base::name::Name;
 use crate::base::source::Span;
 
@@ -57,9 +57,37 @@ pub struct Dae {
     pub delays: Vec<(VarId, ExprId)>,
     /// Transport lines.
     pub transports: Vec<Transport>,
+    /// The equations as they were before aliases were eliminated.
+    pub stated: Stated,
     /// Defaults of the run.
     pub experiment: Experiment,
 }
+
+/// The equations of the flat model, for messages about singular systems: the equation that is wrong
+/// may be one that alias elimination has consumed.
+#[derive(Clone, Debug, Default)]
+pub struct Stated {
+    /// `lhs = rhs` in variables of the flat model, with `der`: equations, declarations, connections.
+    pub equations: Vec<StatedEquation>,
+    /// Variables that when-clauses determine.
+    pub by_when: FastSet<VarId>,
+    /// Which component must determine which variable.
+    pub ownership: Ownership,
+}
+
+/// An equation of the flat model.
+#[derive(Clone, Debug)]
+pub struct StatedEquation {
+    /// Left-hand side.
+    pub lhs: ExprId,
+    /// Right-hand side.
+    pub rhs: ExprId,
+    /// Its source.
+    pub origin: Origin,
+}
+
+/// How the names of variables begin that hold a rounded value.
+pub const ROUNDED: &str = "$whole";
 
 /// The role of a variable for the solver.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

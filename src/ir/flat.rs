@@ -48,6 +48,20 @@ pub struct FlatModel {
     pub delays: Vec<Delay>,
     /// Transport lines.
     pub transports: Vec<Transport>,
+    /// Which component must determine which variable.
+    pub ownership: Ownership,
+}
+
+/// The components that must determine the variables, if each component is balanced.
+#[derive(Clone, Debug, Default)]
+pub struct Ownership {
+    /// Dotted names of the components; the first, empty, is the model itself.
+    pub components: Vec<Arc<str>>,
+    /// For each variable, by its number, the component that must determine it: that of its
+    /// declaration, or for inputs and flows the one around it. Variables that `flatten` adds have none.
+    pub owner: Vec<u32>,
+    /// For each variable, whether it is a flow.
+    pub is_flow: Vec<bool>,
 }
 
 /// Defaults of a run from `annotation(experiment(...))`.
@@ -270,6 +284,7 @@ impl FlatModel {
             synthetic: Vec::new(),
             delays: Vec::new(),
             transports: Vec::new(),
+            ownership: Ownership::default(),
         }
     }
 

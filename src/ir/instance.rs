@@ -79,6 +79,8 @@ pub struct ClassTable {
     pub scalar: Option<Type>,
     /// The class that a short class definition names does not exist, which was reported.
     pub broken: bool,
+    /// A base class does not exist, which was reported: names may be those of its elements.
+    pub lacks_base: bool,
     /// Dimensions that short class definitions add, each with the class that contains it.
     pub dims: Vec<(Vec<ast::Subscript>, ClassId)>,
     /// Prefixes that short classes add.

@@ -32,6 +32,14 @@ pub fn variables(flat: &FlatModel, problems: &mut Problems) -> IndexVec<VarId, d
     for &id in &flat.recorded {
         all[id].kind = VariableKind::Algebraic;
     }
+    for equation in &flat.equations {
+        let EquationKind::Algorithm { outputs, .. } = &equation.kind else { continue };
+        for v in outputs.iter().map(|v| &flat.variables[*v]) {
+            if v.variability <= Variability::Parameter {
+                problems.push(error::assigned_by_algorithm(v, &equation.origin));
+            }
+        }
+    }
     all
 }
 
@@ -148,14 +156,27 @@ fn assigned_in_when(flat: &FlatModel) -> FastSet<VarId> {
     let mut assigned = FastSet::default();
     for equation in &flat.equations {
         if let EquationKind::When(branches) = &equation.kind {
-            for action in branches.iter().flat_map(|b| &b.actions) {
-                if let Action::Assign(v, _) = action {
-                    assigned.insert(*v);
-                }
-            }
+            add_assigned(branches, &mut assigned);
         }
     }
     assigned
+}
+
+/// The variables that when-clauses assign.
+pub fn assigned_in(whens: &[(Vec<WhenBranch>, Origin)]) -> FastSet<VarId> {
+    let mut assigned = FastSet::default();
+    for (branches, _) in whens {
+        add_assigned(branches, &mut assigned);
+    }
+    assigned
+}
+
+fn add_assigned(branches: &[WhenBranch], assigned: &mut FastSet<VarId>) {
+    for action in branches.iter().flat_map(|b| &b.actions) {
+        if let Action::Assign(v, _) = action {
+            assigned.insert(*v);
+        }
+    }
 }
 
 /// A parameter of discrete type with `fixed = false`.

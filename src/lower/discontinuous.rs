@@ -5,8 +5,8 @@
 
 use super::rewriting::Rewriting;
 use crate::ir::builtin::Rounding;
-use crate::ir::dae::{DiscreteEquation, Variable, VariableKind};
-use crate::ir::expr::{Binary, ExprId, Type, Unary, VarId};
+use crate::ir::dae::{DiscreteEquation, ROUNDED, Variable, VariableKind};
+use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
 use crate::ir::flat::Origin;
 
 impl Rewriting<'_> {
@@ -31,7 +31,11 @@ impl Rewriting<'_> {
         origin: &Origin,
     ) -> ExprId {
         let whole = self.quotient(a, b, rounding, origin);
-        let part = self.graph.mul(whole, b);
+        // A product with a literal 0 would hide that there is no quotient.
+        let part = match self.graph.as_number(b) {
+            Some(0.0) => self.graph.intern(Node::Binary(Binary::Mul, whole, b), Type::Real),
+            _ => self.graph.mul(whole, b),
+        };
         self.graph.sub(a, part)
     }
 
@@ -46,7 +50,7 @@ impl Rewriting<'_> {
         if let Some(known) = self.jump_ids.get(&(a, rounding, ty)) {
             return self.graph.var(*known, ty);
         }
-        let name = format!("$whole{}", self.jumps.len() + 1);
+        let name = format!("{ROUNDED}{}", self.jumps.len() + 1);
         let new = Variable::new(name, ty, VariableKind::Discrete, origin.span);
         let variable = self.variables.push(Variable { hidden: true, ..new });
         self.jump_ids.insert((a, rounding, ty), variable);

@@ -70,8 +70,8 @@ causes! {
             help("write `variable = expression`, or `pre(variable) = parameter expression`");
         /// A when-clause assigns a parameter, a constant or an input.
         error MO0315 AssignedParameter { name: String } (section "4.4.4")
-            => ("cannot assign `{name}` in a when-clause: it does not change during simulation"),
-            help("declare it `discrete Real`, `Integer` or `Boolean` without `parameter`");
+            => ("cannot assign `{name}`: it does not change during simulation"),
+            help("declare it without `parameter` or `constant`");
         /// The derivative of a discrete variable.
         error MO0316 DerivativeOfDiscrete { name: String } (section "3.7.4")
             => ("cannot differentiate `{name}`: it changes only at events"),
@@ -181,6 +181,13 @@ pub fn initial_discrete(origin: &Origin) -> Diagnostic {
 /// A when-clause assigns a parameter or an input.
 pub fn assigned_parameter(v: &Variable) -> Diagnostic {
     Diagnostic::new(LoweringCause::AssignedParameter { name: v.name.clone() }, v.span)
+}
+
+/// An algorithm assigns a parameter.
+pub fn assigned_by_algorithm(v: &Variable, origin: &Origin) -> Diagnostic {
+    Diagnostic::new(LoweringCause::AssignedParameter { name: v.name.clone() }, v.span)
+        .label("a parameter or constant")
+        .also(origin.span, "assigned here")
 }
 
 /// The derivative of a discrete variable.

@@ -37,6 +37,11 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     let mut variables = classify::variables(&flat, problems);
     let sections = classify::sections(&mut flat);
     classify::check_pre(&flat.graph, &variables, &sections.equal, problems);
+    let stated = dae::Stated {
+        equations: sections.equal.iter().map(Equal::stated).collect(),
+        by_when: classify::assigned_in(&sections.whens),
+        ownership: std::mem::take(&mut flat.ownership),
+    };
     let (classes, mut equal) = alias::find_aliases(&mut flat.graph, &variables, sections.equal);
     let replacement =
         representative::choose(&mut flat.graph, &mut variables, classes, &sections.roots, problems);
@@ -91,6 +96,7 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
         functions: flat.functions,
         delays,
         transports,
+        stated,
         experiment: flat.experiment,
     })
 }
@@ -149,6 +155,13 @@ pub struct Equal {
     pub rhs: ExprId,
     /// The source of the equation.
     pub origin: Origin,
+}
+
+impl Equal {
+    /// As messages refer to it.
+    fn stated(&self) -> dae::StatedEquation {
+        dae::StatedEquation { lhs: self.lhs, rhs: self.rhs, origin: self.origin.clone() }
+    }
 }
 
 /// Discrete equations with an index by variable.

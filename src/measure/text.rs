@@ -226,14 +226,21 @@ impl Measures {
     }
 
     fn expression(&mut self, e: &Expr, problems: &mut Problems) -> usize {
+        let before = problems.error_count();
         self.refuse_values(&mut e.clone(), problems);
-        self.expressions.push(e.clone());
+        // What was refused must not be an unknown function as well.
+        let is_refused = problems.error_count() > before;
+        let time = || Expr { kind: reference("time", e.span), span: e.span };
+        self.expressions.push(if is_refused { time() } else { e.clone() });
         self.expressions.len() - 1
     }
 
     fn condition(&mut self, e: &Expr, problems: &mut Problems) -> usize {
+        let before = problems.error_count();
         self.refuse_values(&mut e.clone(), problems);
-        self.conditions.push(e.clone());
+        let is_refused = problems.error_count() > before;
+        let never = || Expr { kind: ExprKind::Boolean(false), span: e.span };
+        self.conditions.push(if is_refused { never() } else { e.clone() });
         self.conditions.len() - 1
     }
 

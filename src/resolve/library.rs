@@ -22,7 +22,8 @@ pub trait Folder {
     fn entries(&self, path: &Path) -> Vec<String>;
     /// The source in a file; `None` if the file does not exist.
     fn read(&self, path: &Path) -> Option<Result<String, String>>;
-    /// A data file, at the path itself or in this folder; `None` if the file does not exist.
+    /// A data file, at the path itself or in this folder; `None` if the file does not exist, an
+    /// error if it cannot be read or lies outside of what a model may read.
     fn data(&self, path: &Path) -> Option<Result<Vec<u8>, String>>;
     /// The path that diagnostics show for a file.
     fn display(&self, path: &Path) -> PathBuf;
@@ -226,8 +227,14 @@ impl Library {
 
     /// The content of a data file.
     pub fn data(&self, path: &Path) -> Result<Vec<u8>, String> {
-        let found = self.folders.iter().find_map(|f| f.data(path));
-        found.unwrap_or_else(|| Err("there is no such file".to_string()))
+        let mut why = "there is no such file".to_string();
+        for found in self.folders.iter().filter_map(|f| f.data(path)) {
+            match found {
+                Ok(content) => return Ok(content),
+                Err(reason) => why = reason,
+            }
+        }
+        Err(why)
     }
 
     #[allow(clippy::too_many_arguments)]

@@ -90,8 +90,26 @@ causes! {
         warning MO0933 HiddenSwitching { time: f64, expression: String, switches: u32, steps: u32 }
             => ("at time {time} s the steps are very short: `{expression}` switches without an event, \
                  {switches} times in {steps} steps"),
-            help("remove `noEvent`, so that each switch is an event, or give the two branches a \
-                  hysteresis or a smooth transition");
+            help("remove `noEvent`, or write an `if` in place of `sign`, so that each switch is an event, \
+                  or give the two branches a hysteresis or a smooth transition");
+        /// Steps or events are so short that the run would not end.
+        error MO0934 HopelessProgress { time: f64, total: f64, doing: &'static str }
+            => ("at time {time} s {doing} are so short that the run would take {total:e} of them"),
+            remedy(Some(if *doing == "steps" {
+                "look for the fastest oscillation or decay of the model, which the steps must follow, \
+                 and for expressions that jump; an implicit method, `--method radau`, steps over decays"
+            } else {
+                "lengthen the interval of the `sample` or `delay` that causes them, or end the run earlier"
+            }.to_owned()));
+        /// An Integer is too large for its neighbours to be told apart.
+        error MO0935 IntegerTooLarge { time: f64, name: String, value: f64 } (section "4.8.2")
+            => ("at time {time} s Integer `{name}` is {value:e}: from 2^53 = 9.007e15 on, Integers are not exact"),
+            help("declare it as Real, or keep it smaller");
+        /// A relation changes faster than the steps of the integrator.
+        warning MO0936 UnresolvedRelation { relation: String }
+            => ("`{relation}` changes faster than the steps: it may have been true or false for moments \
+                 that no step saw"),
+            help("shorten the steps with `--max-step`, to less than the shortest of these moments");
         /// An invariant of mocc is violated.
         error MO0999 Bug { what: String }
             => ("{what}"), help("this is a bug in mocc, please report it with the model");

@@ -15,6 +15,7 @@ pub mod extrema;
 pub mod failure;
 pub mod homotopy;
 pub mod initialization;
+pub mod integers;
 pub mod method;
 mod options;
 pub mod record;

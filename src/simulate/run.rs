@@ -2,15 +2,18 @@
 
 use std::time::{Duration, Instant};
 
+use crate::base::activity;
 use crate::base::diag::Diagnostic;
 use crate::base::source::{SourceMap, Span};
 use crate::integrate::outcome::Step;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::JacobianMemory;
-use crate::ir::program::{Program, Sequence};
+use crate::ir::expr::VarId;
+use crate::ir::program::{Program, Sequence, Slot};
 use crate::ir::trajectory::Trajectory;
 
 use super::bound_warnings::BoundWarnings;
+use super::cause::RunCause;
 use super::columns::{columns, constants};
 use super::event::chattering::EventHistory;
 use super::event::duplicate_event::DuplicateFilter;
@@ -22,6 +25,7 @@ use super::extrema::ExtremaSearch;
 use super::failure::non_finite::{Explainer, relation_text};
 use super::failure::{Failure, of_fault, of_integration, start_failure};
 use super::initialization::initialise;
+use super::integers::integers;
 use super::method::{Choice, Integrator};
 use super::options::options;
 use super::record::{Recorder, Sink};
@@ -151,11 +155,13 @@ fn run_to(
         return Err(Failure::settings(what));
     }
     let started = Instant::now();
+    activity::note(format!("simulating at time {} s", settings.start));
     let mut simulation = Simulation::begin(program, settings, inputs, sources, sink)?;
     let outcome = simulation.run();
     simulation.recorder.flush(simulation.sink);
     simulation.sink.end();
     outcome?;
+    simulation.warn_of_unresolved_relations();
     let mut statistics = simulation.statistics;
     statistics.integration = *simulation.stepper.stats();
     statistics.method = simulation.stepper.describe(statistics.method);
@@ -191,6 +197,8 @@ pub struct Simulation<'p, 's> {
     pub(super) bounces: Vec<Bounces>,
     pub(super) duplicates: DuplicateFilter,
     pub(super) progress: ProgressWatch,
+    /// Integer variables with their slots.
+    pub(super) integers: Vec<(VarId, Slot)>,
     pub(super) ended: bool,
     pub(super) extrema: ExtremaSearch,
     pub(super) sensitivity: Option<Box<Sensitivity>>,
@@ -266,6 +274,7 @@ impl<'p, 's> Simulation<'p, 's> {
             bounces: vec![Bounces::default(); program.events.relation_triggers.len()],
             duplicates: DuplicateFilter::new(settings.stop - settings.start),
             progress: ProgressWatch::new(settings.start),
+            integers: integers(program),
             ended: false,
             extrema: ExtremaSearch::new(program, &settings.extrema, t, spacing),
             sensitivity,
@@ -275,6 +284,7 @@ impl<'p, 's> Simulation<'p, 's> {
         simulation.bound_warnings.drop_parameters(program);
         simulation.warn_of_undetermined(t);
         simulation.recorder.flush_first(simulation.sink);
+        simulation.check_integers(t)?;
         simulation.check_assertions(t)?;
         simulation.handle_effects(effects, t)?;
         Ok(simulation)
@@ -338,6 +348,17 @@ impl<'p, 's> Simulation<'p, 's> {
             self.terminal_event()
         } else {
             Ok(())
+        }
+    }
+
+    /// Warns of relations that may have changed unseen.
+    fn warn_of_unresolved_relations(&mut self) {
+        let found: Vec<u32> = self.locator.unresolved().collect();
+        for k in found {
+            let relation = relation_text(self.program, k);
+            let cause = RunCause::UnresolvedRelation { relation };
+            let span = self.relation_span(k);
+            self.statistics.warnings.push(Diagnostic::new(cause, span));
         }
     }
 

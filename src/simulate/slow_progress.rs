@@ -6,6 +6,7 @@
 //! for some steps; the one that switches most is named, with the remedy: by an error if the limit of
 //! steps would end the run anyway.
 
+use crate::base::activity;
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::Span;
 use crate::ir::expr::{ExprId, Node};
@@ -24,6 +25,13 @@ const PROGRESS: f64 = 0.02;
 const LEAST_PROGRESS: f64 = 0.002;
 /// Steps for which comparisons are recorded.
 const SAMPLES: u32 = 200;
+/// Progress within a window, as a fraction of the run, below which a run has hundreds of millions of
+/// steps.
+const HOPELESS_PROGRESS: f64 = 1e-4;
+/// Number of such windows in succession after which a run is ended.
+const HOPELESS_WINDOWS: u32 = 25;
+/// Ratio of the progress of the last and the first of them above which the steps become longer.
+const RECOVERY: f64 = 2.0;
 /// Minimum number of switches among these that counts as the cause.
 const SWITCHES: u32 = 40;
 
@@ -39,6 +47,10 @@ pub struct ProgressWatch {
     is_done: bool,
     /// The run will not end within the limit of steps.
     is_hopeless: bool,
+    /// Events among the steps of the window.
+    events: u32,
+    /// Windows in succession with hopeless progress, and that of the first of them.
+    hopeless: (u32, f64),
 }
 
 /// A comparison without events.
@@ -58,11 +70,19 @@ impl ProgressWatch {
             left: 0,
             is_done: false,
             is_hopeless: false,
+            events: 0,
+            hopeless: (0, 0.0),
         }
     }
 }
 
 impl Simulation<'_, '_> {
+    /// Counts an event at `t`, s, as a step.
+    pub(super) fn watch_event(&mut self, t: f64) -> Result<(), Failure> {
+        self.progress.events += 1;
+        self.watch_progress(t)
+    }
+
     /// Counts a step that ends at `t`, s. If steps are short because of a comparison, warns once, or
     /// fails if there would be too many of them.
     pub(super) fn watch_progress(&mut self, t: f64) -> Result<(), Failure> {
@@ -73,8 +93,11 @@ impl Simulation<'_, '_> {
             let done = (t - self.progress.since) / (self.stop - self.start);
             let is_slow = done < PROGRESS;
             self.progress.is_hopeless = done < LEAST_PROGRESS;
+            activity::note(format!("simulating at time {t} s"));
+            let events = std::mem::take(&mut self.progress.events);
             self.progress.steps = 0;
             self.progress.since = t;
+            self.check_hopeless(t, done, 2 * events > WINDOW)?;
             if is_slow && !self.progress.is_done {
                 self.progress.is_done = true;
                 self.progress.observed = comparisons(self.program);
@@ -82,6 +105,26 @@ impl Simulation<'_, '_> {
             }
         }
         Ok(())
+    }
+
+    /// Fails after many windows that made no progress to speak of, without getting faster.
+    fn check_hopeless(&mut self, time: f64, done: f64, of_events: bool) -> Result<(), Failure> {
+        let (windows, first) = self.progress.hopeless;
+        if done >= HOPELESS_PROGRESS || (windows > 0 && done > RECOVERY * first) {
+            self.progress.hopeless = (0, 0.0);
+            return Ok(());
+        }
+        self.progress.hopeless = if windows == 0 { (1, done) } else { (windows + 1, first) };
+        if windows + 1 < HOPELESS_WINDOWS {
+            return Ok(());
+        }
+        let total = (f64::from(WINDOW) / done).min(1e300);
+        // Two digits: the estimate is no better.
+        let scale = 10_f64.powf(total.log10().floor() - 1.0);
+        let total = (total / scale).round() * scale;
+        let doing = if of_events { "the intervals between events" } else { "steps" };
+        let cause = RunCause::HopelessProgress { time, total, doing };
+        Err(Failure::numerics(time, Diagnostic::new(cause, Span::NONE)))
     }
 
     fn sample_comparisons(&mut self, t: f64) -> Result<(), Failure> {
@@ -114,11 +157,12 @@ impl Simulation<'_, '_> {
     }
 }
 
-/// The comparisons in the equations that do not cause events.
+/// The comparisons in the equations that do not cause events, and functions that jump.
 fn comparisons(program: &Program) -> Vec<Observed> {
     let graph = &program.blocks.dae.graph;
     let is_relation = |e: &ExprId| match graph.node(*e) {
         Node::Binary(op, ..) => op.is_relation(),
+        Node::Unary(op, _) => op.shape().is_piecewise_constant(),
         _ => false,
     };
     let used = used_expressions(program);

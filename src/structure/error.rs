@@ -1,12 +1,13 @@
 //! Diagnostics of the structural analysis.
 
-use super::explain::{list, origin, with_places};
+use super::culprit::Blame;
+use super::explain::{list, origin, with_labels, with_places};
 use crate::base::cause::causes;
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::Span;
 use crate::ir::blocks::Source;
-use crate::ir::dae::{Dae, EqId, Equation, Variable};
-use crate::ir::expr::VarId;
+use crate::ir::dae::{Dae, EqId, Equation, Stated, Variable};
+use crate::ir::expr::{ExprId, VarId};
 use crate::ir::flat::Origin;
 use crate::symbolic::print;
 
@@ -16,7 +17,7 @@ causes! {
         /// The equations do not determine all unknowns.
         error MO0401 TooFewEquations { equations: usize, unknowns: usize, missing: usize, names: String }
             (section "8.4")
-            => ("{}", too_few(*equations, *unknowns, names)),
+            => ("{}", too_few_text(*equations, *unknowns, names)),
             help("add {} for {names}, or give {} a value where it is declared",
                  if *missing == 1 { "an equation".into() } else { format!("{missing} equations") },
                  if *unknowns == 1 { "it" } else { "one of them" });
@@ -74,8 +75,20 @@ pub fn too_few_equations(
     sources: &[Source],
     variables: &[VarId],
 ) -> Diagnostic {
+    let spans = || sources.iter().map(|source| origin(dae, *source).span).collect();
+    too_few(dae, missing, sources.len(), variables, spans).note(total(dae, counts))
+}
+
+/// Unknowns that fewer equations, at these places, do not determine.
+fn too_few(
+    dae: &Dae,
+    missing: usize,
+    equations: usize,
+    variables: &[VarId],
+    places: impl Fn() -> Vec<Span>,
+) -> Diagnostic {
     let names = list(variables.iter().map(|v| &dae.variables[*v]));
-    let (equations, unknowns) = (sources.len(), variables.len());
+    let unknowns = variables.len();
     let cause = StructureCause::TooFewEquations { equations, unknowns, missing, names };
     let first = variables.first().map_or(Span::NONE, |v| dae.variables[*v].span);
     // Variables of several instances share the line of their declaration, so each label names its
@@ -89,10 +102,10 @@ pub fn too_few_equations(
     for v in variables.iter().skip(1).take(4) {
         d = d.also(dae.variables[*v].span, label(v));
     }
-    for source in sources.iter().take(4) {
-        d = d.also(origin(dae, *source).span, "determines only one of them");
+    for span in places().into_iter().take(4) {
+        d = d.also(span, "determines only one of them");
     }
-    d.note(total(dae, counts))
+    d
 }
 
 /// More equations than unknowns.
@@ -109,6 +122,67 @@ pub fn too_many_equations(
     let d = Diagnostic::new(cause, Span::NONE);
     let d = with_places(d, dae, sources, |source, origin| label(dae, source, origin));
     d.note(total(dae, counts))
+}
+
+/// What is to blame for a singular system, in terms of the flat system as it is written.
+pub struct Blamed<'a> {
+    /// The system.
+    pub dae: &'a Dae,
+    /// Its equations as they are written.
+    pub stated: &'a Stated,
+    /// Those to blame.
+    pub blame: &'a Blame,
+    /// Equations and unknowns of the model.
+    pub counts: (usize, usize),
+}
+
+impl Blamed<'_> {
+    /// More equations than unknowns, the guilty ones first.
+    pub fn too_many_equations(&self) -> Diagnostic {
+        let Blamed { dae, stated, blame, counts } = self;
+        let part = &blame.over;
+        let names = list(part.unknowns.iter().map(|v| &dae.variables[*v]));
+        let (equations, unknowns) = (part.equations.len(), part.unknowns.len());
+        let excess = equations.saturating_sub(unknowns).max(1);
+        let cause = StructureCause::TooManyEquations { equations, unknowns, excess, names };
+        let shown = part.equations.iter().chain(&part.context).map(|k| {
+            let e = &stated.equations[*k];
+            let text = in_component(sides(dae, e.lhs, e.rhs), &e.origin);
+            (e.origin.clone(), text)
+        });
+        let d = with_labels(Diagnostic::new(cause, Span::NONE), shown);
+        self.component_counts(d).note(total(dae, *counts))
+    }
+
+    /// Unknowns that the equations do not determine, those of unbalanced components first.
+    pub fn too_few_equations(&self) -> Diagnostic {
+        let Blamed { dae, stated, blame, counts } = self;
+        let part = &blame.under;
+        let missing = part.unknowns.len().saturating_sub(part.equations.len()).max(1);
+        let d = too_few(dae, missing, part.equations.len(), &part.unknowns, || {
+            part.equations.iter().map(|k| stated.equations[*k].origin.span).collect()
+        });
+        self.component_counts(d).note(total(dae, *counts))
+    }
+
+    /// Adds the balance of the components in which the fault was found.
+    fn component_counts(&self, mut d: Diagnostic) -> Diagnostic {
+        const SHOWN: usize = 4;
+        if self.stated.ownership.components.len() < 2 {
+            return d;
+        }
+        for c in self.blame.counts.iter().take(SHOWN) {
+            let whose = if c.component.is_empty() {
+                "the model itself, without its components,".to_owned()
+            } else {
+                format!("`{}`", c.component)
+            };
+            let equations = count(c.equations, "equation");
+            let unknowns = count(c.unknowns, "unknown");
+            d = d.note(format!("{whose} has {equations} for {unknowns} that it must determine"));
+        }
+        d
+    }
 }
 
 /// Constraints that repeat or contradict each other for all values.
@@ -128,7 +202,9 @@ pub fn dependent_block(
     consequence: Consequence,
 ) -> Diagnostic {
     let names = list(free.iter().map(|v| &dae.variables[*v]));
+    let is_discrete = matches!(sources.first(), Some(Source::Discrete(_)));
     let kind = match (sources.len(), consequence) {
+        (1, _) if is_discrete => Dependence::OwnValue,
         (1, _) => Dependence::NoCoefficient,
         (_, Consequence::NoSolution) => Dependence::Contradiction,
         _ => Dependence::Repetition,
@@ -149,6 +225,8 @@ pub fn dependent_block(
 pub enum Dependence {
     /// The unknown has the coefficient 0 in its only equation.
     NoCoefficient,
+    /// The equation of a discrete variable says that it equals itself.
+    OwnValue,
     /// Equations repeat each other.
     Repetition,
     /// Equations contradict each other.
@@ -161,6 +239,7 @@ impl Dependence {
             Dependence::NoCoefficient => {
                 format!("this equation does not determine {names}: its coefficient is 0")
             }
+            Dependence::OwnValue => format!("this equation only says that {names} equals itself"),
             Dependence::Repetition => {
                 format!("the equations do not determine {names}: they depend on each other")
             }
@@ -174,6 +253,9 @@ impl Dependence {
         match self {
             Dependence::NoCoefficient => {
                 "give the parameters in its coefficient other values, or write another equation"
+            }
+            Dependence::OwnValue => {
+                "write what determines it; its value before an event is `pre(...)`"
             }
             Dependence::Repetition => {
                 "add an equation that ties one of them down, such as a ground, a fixed place or a \
@@ -260,7 +342,7 @@ pub fn initially_open(v: &Variable) -> Diagnostic {
     Diagnostic::new(StructureCause::NoInitialCondition { name: v.name.clone() }, v.span)
 }
 
-fn too_few(equations: usize, unknowns: usize, names: &str) -> String {
+fn too_few_text(equations: usize, unknowns: usize, names: &str) -> String {
     match (equations, unknowns) {
         (0, 1) => format!("no equation determines {names}"),
         (0, _) => format!("no equations determine {names}"),
@@ -307,12 +389,22 @@ fn label(dae: &Dae, source: Source, origin: &Origin) -> String {
         Source::Initial(i) => equation(dae, &dae.initial[i]),
         Source::Discrete(_) => String::new(),
     };
+    in_component(text, origin)
+}
+
+/// A text with the component that an equation belongs to.
+fn in_component(text: String, origin: &Origin) -> String {
     if origin.component.is_empty() { text } else { format!("{text} (in `{}`)", origin.component) }
 }
 
 fn equation(dae: &Dae, e: &Equation) -> String {
+    sides(dae, e.lhs, e.rhs)
+}
+
+/// `lhs = rhs`, if it is short.
+fn sides(dae: &Dae, lhs: ExprId, rhs: ExprId) -> String {
     let names = |v: VarId| dae.variables[v].name.clone();
-    let [lhs, rhs] = [e.lhs, e.rhs].map(|side| print::print(&dae.graph, side, &names));
+    let [lhs, rhs] = [lhs, rhs].map(|side| print::print(&dae.graph, side, &names));
     const LONGEST: usize = 60;
     if lhs.len() + rhs.len() > LONGEST { String::new() } else { format!("{lhs} = {rhs}") }
 }

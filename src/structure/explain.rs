@@ -1,7 +1,7 @@
 //! Explains singular systems in the user's names (Dulmage and Mendelsohn 1958).
 
 use super::incidence::EquationSystem;
-use super::{error, reduce};
+use super::{culprit, error, reduce};
 use crate::base::diag::{Diagnostic, Problems};
 use crate::base::source::Span;
 use crate::graph::bipartite::{Bipartite, Col, Row};
@@ -9,14 +9,14 @@ use crate::graph::dulmage_mendelsohn::{self, Subsystem};
 use crate::graph::matching::{self, Matching};
 use crate::graph::pantelides;
 use crate::ir::blocks::Source;
-use crate::ir::dae::{Dae, Variable};
+use crate::ir::dae::{Dae, Stated, Variable};
 use crate::ir::expr::{ExprId, VarId};
 use crate::ir::flat::Origin;
 use crate::symbolic::print;
 
 /// Reports surplus equations and undetermined unknowns, with derivatives identified with their
 /// variables; `None` if there are any.
-pub fn check_determined(dae: &Dae, problems: &mut Problems) -> Option<()> {
+pub fn check_determined(dae: &Dae, stated: &Stated, problems: &mut Problems) -> Option<()> {
     let system = reduce::full_system(dae);
     let lowest = pantelides::lowest(&reduce::derivatives(dae, &system));
     // An unknown and its derivatives form one column, numbered like the lowest of them.
@@ -48,6 +48,17 @@ pub fn check_determined(dae: &Dae, problems: &mut Problems) -> Option<()> {
         let sources = part.rows.iter().map(|row| system.sources[*row]);
         (sources.collect(), part.cols.iter().map(|col| unknowns[col.0 as usize]).collect())
     };
+    let blame = culprit::find(dae, stated).unwrap_or_default();
+    let blamed = error::Blamed { dae, stated, blame: &blame, counts };
+    if blame.over.is_found() || blame.under.is_found() {
+        if blame.over.is_found() {
+            problems.push(blamed.too_many_equations());
+        }
+        if blame.under.is_found() {
+            problems.push(blamed.too_few_equations());
+        }
+        return None;
+    }
     if !parts.over_determined.rows.is_empty() {
         let (sources, variables) = named(&parts.over_determined);
         let excess = sources.len() - variables.len();
@@ -128,16 +139,27 @@ pub fn list<'a>(variables: impl IntoIterator<Item = &'a Variable>) -> String {
 
 /// Adds the spans of equations to a diagnostic, the first as the primary one.
 pub fn with_places(
-    mut diagnostic: Diagnostic,
+    diagnostic: Diagnostic,
     dae: &Dae,
     sources: &[Source],
     label: impl Fn(Source, &Origin) -> String,
 ) -> Diagnostic {
-    const SHOWN: usize = 6;
-    let mut places: Vec<(Span, String)> = Vec::new();
-    for &source in sources {
+    let labelled = sources.iter().map(|&source| {
         let origin = origin(dae, source);
         let text = label(source, &origin);
+        (origin, text)
+    });
+    with_labels(diagnostic, labelled)
+}
+
+/// Adds the spans of equations with their labels to a diagnostic, the first as the primary one.
+pub fn with_labels(
+    mut diagnostic: Diagnostic,
+    labelled: impl IntoIterator<Item = (Origin, String)>,
+) -> Diagnostic {
+    const SHOWN: usize = 6;
+    let mut places: Vec<(Span, String)> = Vec::new();
+    for (origin, text) in labelled {
         if !origin.span.is_none() && !places.iter().any(|(_, t)| !t.is_empty() && *t == text) {
             places.push((origin.span, text));
         }

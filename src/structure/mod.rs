@@ -5,6 +5,8 @@
 //! Olsson and Elmqvist 2000), and the equations of each phase are matched, sorted into blocks
 //! (Tarjan 1972) and torn. Singular systems are explained in the user's names.
 pub mod apply;
+mod culprit;
+mod discrete_loops;
 pub mod derivative_combinations;
 pub mod diagram;
 pub mod dynamic_selection;
@@ -38,9 +40,11 @@ use structural_zeros::StructuralZeros;
 
 /// Sorts a system. Errors are added to `problems`; `None` if there are any.
 pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
+    let stated = std::mem::take(&mut dae.stated);
     let zeros = StructuralZeros::find(&mut dae);
     let original = (!zeros.is_empty()).then(|| dae.clone());
-    explain::check_determined(&dae, problems)?;
+    explain::check_determined(&dae, &stated, problems)?;
+    drop(stated);
     let reduce::Reduced { mut is_state, pivots } = reduced(&mut dae, problems)?;
 
     let reduced_zeros = match original {
@@ -67,6 +71,7 @@ pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
         (system, matched) = self::matched(&dae, &is_state, &zeros, problems)?;
     }
     let continuous = sort::sequence(&mut dae, &system, &matched);
+    discrete_loops::report(&mut dae, problems);
     let undetermined = singular_blocks::report(&mut dae, &continuous, problems);
     let (system, matched) = system.with_discrete(&dae, matched);
     let event = sort::sequence(&mut dae, &system, &matched);

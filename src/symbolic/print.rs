@@ -3,14 +3,31 @@
 use crate::ir::builtin::Syntax;
 use crate::ir::expr::{Binary, Const, ExprId, Form, Graph, Node, Type, Unary, VarId};
 
-/// Prints `e`; `names` gives each variable its name.
+/// Bytes of an expression that are printed for people. Shared expressions double when they are written
+/// out, so that the text of a small graph may be longer than any memory.
+const LONGEST: usize = 4000;
+
+/// Prints `e` for people, cut off where nobody reads on; `names` gives each variable its name.
 pub fn print(graph: &Graph, e: ExprId, names: &dyn Fn(VarId) -> String) -> String {
     let variable = |v: VarId, out: &mut String| out.push_str(&names(v));
     let enumeration = |name: &str| name.to_string();
-    let longest = usize::MAX;
+    let longest = LONGEST;
     let (relation, special) = (&|_| None, &|_, _: &mut String| false);
-    Printer { graph, variable: &variable, enumeration: &enumeration, relation, special, longest }
-        .print(e)
+    let mut text = Printer {
+        graph,
+        variable: &variable,
+        enumeration: &enumeration,
+        relation,
+        special,
+        longest,
+    }
+    .print(e);
+    if text.len() > LONGEST {
+        let end = (0..=LONGEST).rev().find(|k| text.is_char_boundary(*k)).unwrap_or(0);
+        text.truncate(end);
+        text.push_str(" ...");
+    }
+    text
 }
 
 /// How names are written.

@@ -466,3 +466,21 @@ fn the_structure_is_drawn_on_demand() {
     let ended = mocc(folder.path(), &["structure", &model, "--svg", "none/v.svg"]);
     assert_eq!((ended.status, ended.out.as_str()), (2, ""));
 }
+
+/// Nobody reads the messages, but the status tells.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_behind_the_messages_is_no_bug() {
+    let scratch = Scratch::new();
+    let file = scratch.file("model.mo", "model M\n  Real x = y;\nend M;\n");
+    let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+    for (arguments, status) in [(["check"], 1), (["flatten"], 1)] {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_mocc"));
+        command.current_dir(scratch.path()).args(arguments).arg(&file).stderr(full());
+        assert_eq!(command.status().expect("mocc starts").code(), Some(status), "{arguments:?}");
+    }
+    let fine = scratch.file("fine.mo", "model M\n  Real x = time;\nend M;\n");
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_mocc"));
+    command.current_dir(scratch.path()).arg("flatten").arg(&fine).stdout(full());
+    assert_eq!(command.output().expect("mocc starts").status.code(), Some(2));
+}

@@ -125,7 +125,7 @@ fn answer(file: PathBuf) -> Result<(), String> {
 }
 
 /// All models of the suite and the examples, in order of their names.
-fn sources() -> Vec<String> {
+pub fn sources() -> Vec<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
     let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
         .expect("a folder")
@@ -142,7 +142,7 @@ fn sources() -> Vec<String> {
 }
 
 /// Words, numbers, signs and the space between them.
-fn tokens(text: &str) -> Vec<&str> {
+pub fn tokens(text: &str) -> Vec<&str> {
     let kind = |c: char| match c {
         c if c.is_alphanumeric() || c == '_' => 0,
         c if c.is_whitespace() => 1,
@@ -209,7 +209,7 @@ const SPICE: [&str; 40] = [
 
 /// Source `number`: one of the sources with up to eight changes.
 fn mutant(words: &[Vec<&str>], number: u64) -> String {
-    let mut random = Random(number.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
+    let mut random = Random::of(number);
     let pick = random.below(words.len());
     let mut text = words[pick].clone();
     for _ in 0..1 + random.below(8) {
@@ -254,10 +254,16 @@ fn mutant(words: &[Vec<&str>], number: u64) -> String {
 }
 
 /// Marsaglia's xorshift* (Vigna 2016).
-struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
-    fn below(&mut self, n: usize) -> usize {
+    /// The sequence of a number.
+    pub fn of(number: u64) -> Random {
+        Random(number.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+    }
+
+    /// An Integer from 0 to `n - 1`.
+    pub fn below(&mut self, n: usize) -> usize {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;

@@ -73,7 +73,9 @@ fn a_matrix_is_read_from_a_file() {
     let file = scratch.file("data.txt", "#1\ndouble gains(2, 3)\n1 2.5 -3 # first\n4e-1, 5, 6\n");
     let text = &suite_model("external/files/matrix_from_a_file");
     let path = file.to_str().expect("UTF-8").replace('\\', "\\\\");
-    let run = Case::text(&text.replace("FILE", &path)).stop(2.0).run();
+    // A model reads what lies beside it.
+    let model = scratch.file("model.mo", &text.replace("FILE", &path));
+    let run = Case::file(model).stop(2.0).run();
     assert_close(run.last("y[1]"), 1.0 + 5.0 - 6.0, 1e-14);
     assert_close(run.last("y[2]"), 0.4 + 10.0 + 12.0, 1e-14);
 }

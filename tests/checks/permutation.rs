@@ -50,7 +50,7 @@ fn same(expected: &Outcome, found: &Outcome, model: &str) {
 
 /// The model with the lines of each section in another order; `None` if it is not written line by
 /// line.
-fn permuted(model: &str, order: fn(Vec<&str>) -> Vec<&str>) -> Option<String> {
+pub fn permuted(model: &str, order: fn(Vec<&str>) -> Vec<&str>) -> Option<String> {
     let mut lines = model.lines().filter(|line| !line.trim().is_empty());
     let mut out: Vec<&str> = lines.by_ref().take_while(|l| l.starts_with("//")).collect();
     // `take_while` has consumed the head of the model.
@@ -71,7 +71,7 @@ fn permuted(model: &str, order: fn(Vec<&str>) -> Vec<&str>) -> Option<String> {
     (out.iter().filter(|line| line.starts_with("end ")).count() == 1).then(|| out.join("\n"))
 }
 
-fn reversed(lines: Vec<&str>) -> Vec<&str> {
+pub fn reversed(lines: Vec<&str>) -> Vec<&str> {
     lines.into_iter().rev().collect()
 }
 

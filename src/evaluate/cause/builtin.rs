@@ -51,6 +51,10 @@ causes! {
         error MO1293 UnusedValue { name: Name } (section "8.3")
             => ("this is not an equation or statement: `{name}` only has a value"),
             help("use the value, as in `y = {name}(...)`, or remove the line");
+        /// An operator on variables of a model is used in a function.
+        error MO1297 OperatorInFunction { name: Name } (section "12.2")
+            => ("`{name}` has no meaning in a function"),
+            help("a function only knows the values of its arguments: pass what it needs as an input");
         /// An operator such as `pre` has an argument that is not a variable.
         error MO1268 ArgumentNotVariable { function: String } (section "3.7.5")
             => ("the argument of `{function}` must be a variable"),

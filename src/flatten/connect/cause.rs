@@ -27,6 +27,10 @@ causes! {
                 names[0], names[1], values[0], values[1]
             ),
             help("give both the same value");
+        /// No connector of a component is connected.
+        warning MO0327 IsolatedComponent { path: String } (section "9.2")
+            => ("no connector of `{path}` is connected: all its flows are zero"),
+            help("connect it, or remove it");
         /// An expandable connector is connected to a component that is not expandable.
         error MO1212 ExpandableWithOther { path: String, bus: String } (section "9.1.3")
             => ("an expandable connector is connected to `{path}`, which is not expandable"),

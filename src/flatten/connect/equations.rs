@@ -2,19 +2,26 @@
 
 use std::sync::Arc;
 
+use super::cause::ConnectCause;
 use super::connector::check_single_source;
 use super::{Connections, expandable, is_connector};
+use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::evaluate::Evaluator;
 use crate::ir::ast::ConnectionPrefix;
 use crate::ir::expr::{ExprId, VarId};
 use crate::ir::flat::{Equation, EquationKind, FlatModel, Origin};
-use crate::ir::instance::InstanceId;
+use crate::ir::instance::{InstanceId, InstanceKind};
 
 impl Connections {
     /// Generates the connection equations: equal potentials, flows that sum to zero, and zero flows
     /// of unconnected connectors.
-    pub(in crate::flatten) fn equations(&mut self, cx: &mut Evaluator<'_>, flat: &mut FlatModel) {
+    pub(in crate::flatten) fn equations(
+        &mut self,
+        cx: &mut Evaluator<'_>,
+        root: InstanceId,
+        flat: &mut FlatModel,
+    ) {
         let (mut seen, mut seen_in) = (vec![0; self.potentials.number.len()], 0_u32);
         for (members, origin) in self.potentials.sets() {
             check_single_source(cx, flat, &members, origin.span);
@@ -46,6 +53,9 @@ impl Connections {
             flat.equations.push(Equation { kind: EquationKind::Assert(assert), origin });
         }
         let mut in_connector: FastMap<InstanceId, bool> = FastMap::default();
+        // For each component with flows, whether one of them is connected.
+        let mut connected: FastMap<InstanceId, bool> = FastMap::default();
+        let mut any_connected = false;
         for v in flat.variables.ids() {
             let (instance, _) = cx.instance_of[v.0 as usize];
             if cx.instances[instance].prefix.connection != Some(ConnectionPrefix::Flow) {
@@ -55,6 +65,11 @@ impl Connections {
             // (Modelica 3.6, section 9.2).
             let inside = self.flows.number((v, false)).is_some();
             let outside = self.flows.number((v, true)).is_some();
+            any_connected |= inside || outside;
+            if is_in_connector(cx, instance, &mut in_connector) {
+                let component = component_of(cx, instance, root);
+                *connected.entry(component).or_default() |= inside || outside;
+            }
             if inside && (outside || !expandable::is_within(cx, instance))
                 || !is_in_connector(cx, instance, &mut in_connector)
             {
@@ -69,7 +84,63 @@ impl Connections {
             let origin = Origin { span: flat.variables[v].span, component };
             flat.equations.push(Equation { kind: EquationKind::Equal(e, zero), origin });
         }
+        if any_connected && !cx.problems.has_errors() {
+            report_isolated(cx, root, &connected);
+        }
     }
+}
+
+/// Warns of components that flows alone could connect with others, and none does: one that was
+/// forgotten in the connections computes something all the same.
+fn report_isolated(
+    cx: &mut Evaluator<'_>,
+    root: InstanceId,
+    connected: &FastMap<InstanceId, bool>,
+) {
+    let acts_otherwise = |cx: &Evaluator<'_>, component: InstanceId| {
+        let mut open = vec![component];
+        while let Some(id) = open.pop() {
+            let instance = &cx.instances[id];
+            let is_inner = instance.declaration.as_ref().is_some_and(|d| d.element.inner);
+            if instance.prefix.causality.is_some() || is_inner {
+                return true;
+            }
+            match &cx.instances[id].kind {
+                InstanceKind::Object(parts) | InstanceKind::Array { elements: parts, .. } => {
+                    open.extend(parts.iter());
+                }
+                _ => {}
+            }
+        }
+        false
+    };
+    let mut isolated: Vec<InstanceId> =
+        connected.iter().filter(|(_, is_connected)| !**is_connected).map(|(id, _)| *id).collect();
+    isolated.sort_unstable();
+    for component in isolated {
+        // Within components, connectors may be left open on purpose.
+        let is_own = cx.instances[component].parent == Some(root);
+        if component == root || !is_own || acts_otherwise(cx, component) {
+            continue;
+        }
+        let cause = ConnectCause::IsolatedComponent { path: cx.path(component) };
+        let span = cx.declared_at(component);
+        cx.problems.push(Diagnostic::new(cause, span));
+    }
+}
+
+/// The component that holds a connector with this variable.
+fn component_of(cx: &mut Evaluator<'_>, instance: InstanceId, root: InstanceId) -> InstanceId {
+    let mut at = instance;
+    while at != root {
+        let Some(parent) = cx.instances[at].parent else { return root };
+        at = parent;
+        let is_array = matches!(cx.instances[at].kind, InstanceKind::Array { .. });
+        if !is_array && !is_connector(cx, at) && !super::is_record(cx, at) {
+            break;
+        }
+    }
+    at
 }
 
 /// True if a flow variable belongs to a connector; others are ordinary variables.

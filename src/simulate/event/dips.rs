@@ -11,6 +11,8 @@ const MAX_SAMPLES: usize = 96;
 /// Bisections of an interval that has a neighbour on one side only: for the last of a step, whose
 /// other neighbour follows with the next step, they find what is wider than an eighth.
 const ONE_SIDED_DEPTH: u32 = 3;
+/// Range of an indicator within a step, relative to its size, below which it is constant up to rounding.
+const ROUNDING: f64 = 1e-3;
 /// An indicator at the start of a step, relative to the next sample, below which it leaves its
 /// threshold rather than returning to it.
 const DEPARTURE: f64 = 0.5;
@@ -104,6 +106,26 @@ impl Samples {
         };
         let found = (first..self.times.len().saturating_sub(1)).find(is_suspect)?;
         Some((found, self.times[found].1))
+    }
+
+    /// True if an indicator turns back more than once among the samples of the step, so that between
+    /// them it may have turned as well.
+    pub fn is_restless(&self, indicator: u32) -> bool {
+        let value = |k: usize| self.values[k * self.width + indicator as usize];
+        let first = usize::from(self.has_predecessor);
+        let (mut turns, mut last_sign) = (0, 0.0);
+        let (mut least, mut greatest, mut size) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+        for k in first..self.times.len() {
+            let g = value(k);
+            (least, greatest, size) = (least.min(g), greatest.max(g), size.max(g.abs()));
+            if k > first {
+                let change = g - value(k - 1);
+                turns += u32::from(change * last_sign < 0.0);
+                last_sign = if change == 0.0 { last_sign } else { change.signum() };
+            }
+        }
+        // Rounding errors turn as well.
+        turns > 1 && greatest - least > ROUNDING * size
     }
 
     fn at(&self, k: usize, indicator: usize) -> (f64, f64) {

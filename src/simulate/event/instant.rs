@@ -81,8 +81,10 @@ impl Simulation<'_, '_> {
             self.clear_accumulation(&flipped, effects);
             self.check_chattering(t, &flipped, effects)?;
         }
+        self.check_integers(t)?;
         self.check_assertions(t)?;
         self.handle_effects(effects, t)?;
+        self.watch_event(t)?;
         if !self.ended && t < self.stop {
             if !self.selection.is_empty() {
                 let evaluated = self.system.evaluate_all(t, &self.y);

@@ -13,6 +13,10 @@ use crate::simulate::system::HybridSystem;
 
 use super::dips::Samples;
 
+/// Number of steps within which an indicator turns more than once, and their share of all steps, from
+/// which on its changes may be missed.
+const RESTLESS: u32 = 4;
+const RESTLESS_SHARE: f64 = 0.002;
 /// Points within a step, as fractions, at which relations are probed in addition to its end.
 const PROBES: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 /// Maximum number of failed evaluations within one step.
@@ -29,6 +33,10 @@ pub struct Locator {
     /// Hysteresis of each relation: minimum absolute value of its indicator after a change.
     hysteresis: Vec<f64>,
     samples: Samples,
+    /// For each relation, the number of steps in which its indicator turned more than once.
+    restless: Vec<u32>,
+    /// Number of steps without an event.
+    looks: u32,
 }
 
 /// First hysteresis of a chattering relation, in units of its operands.
@@ -53,13 +61,14 @@ fn indicators<'a>(machine: &'a Machine<'_>) -> &'a [f64] {
 impl Locator {
     /// Monitors all state-dependent relations of a program.
     pub fn new(program: &Program) -> Self {
-        let relations = (0..program.events.relation_triggers.len() as u32)
+        let relations: Vec<u32> = (0..program.events.relation_triggers.len() as u32)
             .filter(|k| program.events.relation_triggers[*k as usize] == RelationTrigger::State)
             .collect();
         let hysteresis = vec![0.0; program.events.relation_triggers.len()];
         let samples = Samples::new(program.events.relation_triggers.len());
         let point = vec![0.0; program.order().max(1)];
-        Locator { relations, point, ignored: None, hysteresis, samples }
+        let restless = vec![0; relations.len()];
+        Locator { relations, point, ignored: None, hysteresis, samples, restless, looks: 0 }
     }
 
     /// Widens the hysteresis of chattering relations: smaller changes are rounding errors of
@@ -126,6 +135,7 @@ impl Locator {
             while left < target {
                 match self.evaluate(system, stepper, right) {
                     Ok(()) if self.switched(&system.machine).next().is_some() => {
+                        self.look_beyond(system, stepper, right);
                         return Ok(Some(self.enclose(system, stepper, left, right)));
                     }
                     Ok(()) => {
@@ -149,8 +159,43 @@ impl Locator {
             }
         }
         let found = self.first_dip(system, stepper)?;
+        if found.is_none() {
+            self.count_restless();
+        }
         self.samples.end(t1);
         Ok(found)
+    }
+
+    /// Counts the relations that are restless in a step in which one has changed by `seen`, with samples
+    /// up to its end; the memory is then somewhere in the step.
+    fn look_beyond(&mut self, system: &mut HybridSystem<'_>, stepper: &dyn Stepper, seen: f64) {
+        self.samples.add(seen, indicators(&system.machine));
+        let (t0, t1) = (stepper.t_previous(), stepper.t());
+        let later = PROBES.map(|fraction| t0 + fraction * (t1 - t0)).into_iter().chain([t1]);
+        for t in later.filter(|t| *t > seen) {
+            // Beyond the event the held branch need not have values.
+            if self.evaluate(system, stepper, t).is_ok() {
+                self.samples.add(t, indicators(&system.machine));
+            }
+        }
+        self.count_restless();
+        self.samples.clear();
+        // As it was: what has changed is read from the memory.
+        let _ = self.evaluate(system, stepper, seen);
+    }
+
+    fn count_restless(&mut self) {
+        self.looks += 1;
+        for (k, count) in self.relations.iter().zip(&mut self.restless) {
+            *count += u32::from(self.samples.is_restless(*k));
+        }
+    }
+
+    /// The relations whose indicators turned so often within steps that changes may have been missed.
+    pub fn unresolved(&self) -> impl Iterator<Item = u32> {
+        let share = f64::from(self.looks) * RESTLESS_SHARE;
+        let counts = self.relations.iter().zip(&self.restless);
+        counts.filter(move |(_, n)| **n >= RESTLESS && f64::from(**n) >= share).map(|(k, _)| *k)
     }
 
     /// Forgets the samples of the last step: the indicators may have jumped.

@@ -6,6 +6,7 @@ use crate::base::name::string_of_id;
 use crate::base::source::Span;
 use crate::ir::blocks::{Block, Source};
 use crate::ir::builtin::Domain;
+use crate::ir::dae::{ROUNDED, VariableKind};
 use crate::ir::expr::{Binary, Const, ExprId, Graph, Node, Unary, VarId};
 use crate::ir::program::{BlockPosition, Program, Sequence, Slot, source_span};
 use crate::symbolic::eval;
@@ -136,9 +137,14 @@ impl<'a> Explainer<'a> {
         let eliminated = dae.eliminated.iter().find(|(w, _)| *w == v).map(|(_, value)| *value);
         match definitions.get(&v) {
             Some(&(value, source)) => self.expression_not_finite(value, source, sequence, time),
-            None => match eliminated {
-                Some(value) => self.expression_not_finite(value, Source::Start(v), sequence, time),
-                None => {
+            None => match (eliminated, self.discrete(v)) {
+                (Some(value), _) => {
+                    self.expression_not_finite(value, Source::Start(v), sequence, time)
+                }
+                (None, Some((value, source))) => {
+                    self.expression_not_finite(value, source, sequence, time)
+                }
+                (None, None) => {
                     let value = NonFinite::Given { name: self.name(v), value: self.value(v) };
                     not_finite(value, time)
                 }
@@ -162,7 +168,8 @@ impl<'a> Explainer<'a> {
             let culprit = self.descend(root, &values);
             if let Node::Var(v) = self.program.blocks.dae.graph.node(culprit)
                 && visited.insert(v)
-                && let Some(&(value, from)) = definitions.get(&v)
+                && let Some((value, from)) =
+                    definitions.get(&v).copied().or_else(|| self.discrete(v))
             {
                 (root, source) = (value, from);
                 continue;
@@ -275,9 +282,26 @@ impl<'a> Explainer<'a> {
         values
     }
 
+    /// The value of a discrete variable, and its equation.
+    fn discrete(&self, v: VarId) -> Option<(ExprId, Source)> {
+        let all = &self.program.blocks.dae.discrete;
+        let k = all.iter().position(|d| d.variable == v)?;
+        Some((all[k].value, Source::Discrete(k)))
+    }
+
+    /// The name of a variable; the rounded values that lowering introduces have none, and are shown
+    /// as they are computed.
     fn name(&self, v: VarId) -> String {
-        let variables = &self.program.blocks.dae.variables;
-        variables.get(v).map_or_else(|| "a derivative".to_owned(), |x| x.name.clone())
+        let dae = &self.program.blocks.dae;
+        let Some(variable) = dae.variables.get(v) else { return "a derivative".to_owned() };
+        if variable.hidden
+            && variable.kind == VariableKind::Discrete
+            && variable.name.starts_with(ROUNDED)
+            && let Some((value, _)) = self.discrete(v)
+        {
+            return self.text(value);
+        }
+        variable.name.clone()
     }
 }
 

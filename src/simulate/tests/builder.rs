@@ -6,7 +6,8 @@ use crate::base::source::{SourceMap, Span};
 use crate::codegen::compile;
 use crate::ir::blocks::{Assignment, Block, Blocks, Residual, Source, State, Torn};
 use crate::ir::dae::{
-    Dae, DiscreteEquation, EqId, Equation, Reinit, Relation, Trigger, Variable, VariableKind,
+    Dae, DiscreteEquation, EqId, Equation, Reinit, Relation, Stated, Trigger, Variable,
+    VariableKind,
 };
 use crate::ir::expr::{Binary, ExprId, Graph, Type, VarId};
 use crate::ir::flat::{Experiment, Origin, StateSelect};
@@ -40,6 +41,7 @@ impl Builder {
             functions: IndexVec::new(),
             delays: Vec::new(),
             transports: Vec::new(),
+            stated: Stated::default(),
             experiment: Experiment::default(),
         };
         let blocks = Blocks {

@@ -22,3 +22,18 @@ package P
     Real y[n[1]] = m*{1, 2, time};
   end Reads;
 end P;
+
+//@ case a_file_of_somebody_else
+//@ used by strangers.rs
+model Curious
+  impure function line
+    input String file;
+    output String string;
+    output Boolean isAtEnd;
+  external "C" string = ModelicaInternal_readLine(file, 1, isAtEnd);
+  end line;
+  parameter String secret = line("FILE");
+  Real x = time;
+equation
+  assert(false, "found " + secret, AssertionLevel.warning);
+end Curious;

@@ -18,3 +18,14 @@ equation
   //@ error[MO0933] 3-43
   der(x) = noEvent(if x > 0 then -1 else 1);
 end Relay;
+
+//@ case sign_at_rest
+//@ run stop=2 method=dopri
+//@ status 3
+// `sign` has no events: at rest it switches in every step.
+model Block
+  Real v(start = 0.1, fixed = true);
+equation
+  //@ error[MO0933] 3-29
+  der(v) = -sign(v) + 0.2*time;
+end Block;

@@ -61,3 +61,21 @@ model Entropy
 equation
   der(x) = -1;
 end Entropy;
+
+//@ case message_about_a_shared_expression
+//@ run stop=1
+//@ status 3
+// Written out, the equation has more than 2^40 terms: the message shows where it is, and ends.
+model Shared
+  function mixed
+    input Real x;
+    output Real y;
+  algorithm
+    y := x;
+    for k in 1:40 loop
+      y := (sin(y) + y/(2 + cos(y)))/1.5;
+    end for;
+  end mixed;
+  //@ error[MO0902] 8
+  Real y = mixed(sqrt(0.5 - time));
+end Shared;

@@ -120,3 +120,30 @@ equation
 end Bridge;
 //@ run stop=0.1 tolerance=1e-9
 //@ expect i = 2*exp(-1.2) rel 1e-7
+
+//@ case booleans_that_refer_to_each_other
+// Nothing reads them, so a warning is enough.
+model Pair
+  Boolean a;
+  Boolean b;
+equation
+  //@ warning[MO0410] 3-11
+  a = not b;
+  b = not a;
+end Pair;
+
+//@ case boolean_that_holds_itself
+model Latch
+  Boolean a;
+  Real x = if a then 1 else 2;
+equation
+  //@ error[MO0410] 3-16
+  a = a or false;
+end Latch;
+
+//@ case boolean_loop_with_a_solution
+model Latch
+  Boolean a = b and time > 0.5;
+  Boolean b = time > 0.2 or a;
+end Latch;
+//@ expect a at 0.4, 0.7 = 0, 1

@@ -1,0 +1,36 @@
+//! Integers whose value is not exact: numbers of a run are doubles, which count up to 2^53.
+
+use crate::base::diag::Diagnostic;
+use crate::ir::dae::VariableKind;
+use crate::ir::expr::{Type, VarId};
+use crate::ir::program::{Program, Slot};
+
+use super::cause::RunCause;
+use super::failure::Failure;
+use super::run::Simulation;
+
+/// From here on `n` and `n + 1` may be the same number.
+const TOO_LARGE: f64 = 9_007_199_254_740_992.0;
+
+/// The Integer variables of a program that a run computes, with their slots.
+pub fn integers(program: &Program) -> Vec<(VarId, Slot)> {
+    let variables = program.blocks.dae.variables.enumerate();
+    let is_integer = |kind| matches!(kind, VariableKind::Discrete | VariableKind::Parameter);
+    variables
+        .filter(|(_, v)| v.ty == Type::Integer && is_integer(v.kind) && !v.hidden)
+        .map(|(id, _)| (id, program.layout.variables[id.0 as usize]))
+        .collect()
+}
+
+impl Simulation<'_, '_> {
+    /// Fails if an Integer is so large that its value may be wrong.
+    pub(super) fn check_integers(&self, time: f64) -> Result<(), Failure> {
+        let value = |slot: Slot| self.system.machine.get(slot);
+        let found = self.integers.iter().find(|(_, slot)| value(*slot).abs() >= TOO_LARGE);
+        let Some(&(v, slot)) = found else { return Ok(()) };
+        let variable = &self.program.blocks.dae.variables[v];
+        let name = variable.name.clone();
+        let cause = RunCause::IntegerTooLarge { time, name, value: value(slot) };
+        Err(Failure::numerics(time, Diagnostic::new(cause, variable.span)))
+    }
+}

@@ -1,0 +1,174 @@
+//! Several ways to the same result: three methods, two tolerances, the flat model printed and read again,
+//! and the lines of a model in another order must agree to the tolerance, or say why not.
+//!
+//! Every model of the suite and the examples that runs without errors is run in each way by the program
+//! itself; the last rows are compared, each variable with what it reaches during the run.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use super::door::Scratch;
+use super::permutation::{permuted, reversed};
+use super::suite::case::{cases, stages};
+
+/// Distance of two results, relative to the largest value of the variable.
+const AGREEMENT: f64 = 1e-3;
+/// Values below this are zero.
+const NOTHING: f64 = 1e-9;
+/// Limit of each run, s.
+const MOST_SECONDS: &str = "10";
+
+#[test]
+fn ways_to_the_same_result_agree() {
+    let found = compare(Duration::from_secs(60), 9);
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}
+
+/// `MOCC_BINARY=target/release/mocc cargo test --test all -- --ignored --nocapture differential::`; with
+/// `MOCC_MODELS=DIR` the models in the files of a folder are compared as well.
+#[test]
+#[ignore = "takes some minutes"]
+fn all_ways_to_the_same_result_agree() {
+    let found = compare(Duration::from_secs(3600), 1);
+    assert!(found.is_empty(), "{} disagree:\n{}", found.len(), found.join("\n"));
+}
+
+/// The largest absolute and the last value of each variable.
+type Outcome = BTreeMap<String, (f64, f64)>;
+
+/// Compares every `each`-th model until the time is over; the disagreements, one a line.
+fn compare(time: Duration, each: usize) -> Vec<String> {
+    let begun = Instant::now();
+    let scratch = Scratch::new();
+    let (mut models, mut runs, mut refused, mut found) = (0, 0, 0, Vec::new());
+    for (name, text) in models_of_the_repository().into_iter().step_by(each) {
+        if begun.elapsed() > time {
+            break;
+        }
+        let Ok(reference) = run(&scratch, &text, &["--tolerance", "1e-8"]) else { continue };
+        models += 1;
+        let ways: [&[&str]; 5] = [
+            &["--method", "radau", "--tolerance", "1e-8"],
+            &["--method", "bdf", "--tolerance", "1e-8"],
+            &["--method", "dopri", "--tolerance", "1e-8"],
+            &["--tolerance", "1e-6"],
+            &["--mode", "dae", "--tolerance", "1e-8"],
+        ];
+        let mut others: Vec<(String, Result<Outcome, String>)> =
+            ways.into_iter().map(|way| (way.join(" "), run(&scratch, &text, way))).collect();
+        if let Some(flat) = flat(&scratch, &text) {
+            others.push(("flat model".into(), run(&scratch, &flat, &["--tolerance", "1e-8"])));
+        }
+        if let Some(permuted) = permuted(&text, reversed) {
+            let way = "lines in reverse order".to_owned();
+            others.push((way, run(&scratch, &permuted, &["--tolerance", "1e-8"])));
+        }
+        for (way, outcome) in others {
+            runs += 1;
+            match outcome {
+                Ok(outcome) => {
+                    if let Some(what) = difference(&reference, &outcome) {
+                        found.push(format!("{name}, {way}: {what}"));
+                    }
+                }
+                // A message is an answer, but that of a method that cannot take the model is no news.
+                Err(why) if why.is_empty() => found.push(format!("{name}, {way}: no message")),
+                Err(_) => refused += 1,
+            }
+        }
+    }
+    eprintln!(
+        "{models} models, {runs} other ways: {} disagree, {refused} refused with a message, in {:.0} s",
+        found.len(),
+        begun.elapsed().as_secs_f64()
+    );
+    found
+}
+
+/// Names and texts.
+fn models_of_the_repository() -> Vec<(String, String)> {
+    let mut all: Vec<(String, String)> = Vec::new();
+    for case in stages().iter().flat_map(|s| cases(s).unwrap_or_else(|why| panic!("{why}"))) {
+        if case.problems.is_empty() && case.status == 0 {
+            all.push((case.full_name(), case.model.clone()));
+        }
+    }
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")];
+    folders.extend(std::env::var_os("MOCC_MODELS").map(PathBuf::from));
+    for folder in folders {
+        let entries = std::fs::read_dir(folder).expect("a folder").flatten();
+        let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+        paths.sort();
+        let is_model = |p: &PathBuf| p.extension().is_some_and(|e| e == "mol" || e == "mo");
+        for path in paths.into_iter().filter(is_model) {
+            let text = std::fs::read_to_string(&path).expect("a text");
+            all.push((path.display().to_string(), text));
+        }
+    }
+    all
+}
+
+fn program(scratch: &Scratch) -> Command {
+    let program = std::env::var("MOCC_BINARY");
+    let program = program.unwrap_or_else(|_| env!("CARGO_BIN_EXE_mocc").to_owned());
+    let mut command = Command::new(Path::new(env!("CARGO_MANIFEST_DIR")).join(program));
+    command.current_dir(scratch.path());
+    command
+}
+
+/// The flat model of a text; `None` if it cannot be printed.
+fn flat(scratch: &Scratch, text: &str) -> Option<String> {
+    scratch.file("model.mo", text);
+    let output = program(scratch).args(["flatten", "model.mo"]).output().expect("mocc starts");
+    output.status.success().then(|| String::from_utf8(output.stdout).expect("UTF-8"))
+}
+
+/// Runs a text; the error is what mocc says.
+fn run(scratch: &Scratch, text: &str, way: &[&str]) -> Result<Outcome, String> {
+    scratch.file("model.mo", text);
+    let mut command = program(scratch);
+    command.args(["simulate", "model.mo", "--output", "out.csv", "--max-seconds", MOST_SECONDS]);
+    let output = command.args(way).stdout(Stdio::null()).output().expect("mocc starts");
+    if !output.status.success() {
+        return Err(String::from_utf8_lossy(&output.stderr).into_owned());
+    }
+    let table = std::fs::read_to_string(scratch.path().join("out.csv")).expect("a table");
+    Ok(read(&table))
+}
+
+/// Columns of a table that mocc wrote; names with commas are in double quotes.
+fn read(table: &str) -> Outcome {
+    let mut lines = table.lines();
+    let head = lines.next().unwrap_or_default();
+    let mut names = vec![String::new()];
+    let mut quoted = false;
+    for c in head.chars() {
+        match c {
+            '"' => quoted = !quoted,
+            ',' if !quoted => names.push(String::new()),
+            c => names[0..].last_mut().expect("one").push(c),
+        }
+    }
+    let mut columns = vec![(0.0_f64, f64::NAN); names.len()];
+    for line in lines {
+        for (column, value) in columns.iter_mut().zip(line.split(',')) {
+            let value = value.parse().unwrap_or(f64::NAN);
+            *column = (column.0.max(f64::abs(value)), value);
+        }
+    }
+    names.into_iter().zip(columns).collect()
+}
+
+/// The first variable of which two runs say something else.
+fn difference(reference: &Outcome, other: &Outcome) -> Option<String> {
+    if (reference["time"].1 - other["time"].1).abs() > AGREEMENT * reference["time"].1.abs() {
+        return Some(format!("ends at {} instead of {}", other["time"].1, reference["time"].1));
+    }
+    reference.iter().find_map(|(name, (size, expected))| {
+        let (_, found) = other.get(name)?;
+        let differs = (found - expected).abs() > AGREEMENT * size + NOTHING;
+        differs.then(|| format!("`{name}` is {found} instead of {expected}"))
+    })
+}
