@@ -105,6 +105,15 @@ impl Request {
     }
 }
 
+/// The connections of a model to its surroundings: Real variables at its top level.
+#[derive(Clone, Debug, Default)]
+pub struct Ports {
+    /// Names of the inputs without a value.
+    pub inputs: Vec<String>,
+    /// Names of the outputs.
+    pub outputs: Vec<String>,
+}
+
 /// Sources and the diagnostics about them.
 #[derive(Default)]
 pub struct Session {
@@ -295,6 +304,25 @@ impl Session {
         self.compare_units(&flat, request);
         self.drive(&mut flat, &request.recorded)?;
         self.compile_flat(flat, request.form)
+    }
+
+    /// The program of a request, all of whose top-level inputs are driven, and the names of its inputs and outputs.
+    pub fn compile_with_ports(
+        &mut self,
+        request: &Request,
+    ) -> Result<(Program, Ports), CompileError> {
+        let mut flat = self.flatten(request)?;
+        let is_real = |v: &Variable| v.ty == Type::Real && v.variability == Variability::Continuous;
+        let of = |causality: Causality| {
+            let all =
+                flat.variables.iter().filter(move |v| is_real(v) && v.causality == Some(causality));
+            all.map(|v| (v.name.clone(), v.binding.is_none()))
+        };
+        let inputs = of(Causality::Input).filter(|(_, is_free)| *is_free).map(|(name, _)| name);
+        let outputs = of(Causality::Output).map(|(name, _)| name);
+        let ports = Ports { inputs: inputs.collect(), outputs: outputs.collect() };
+        self.drive(&mut flat, &ports.inputs)?;
+        Ok((self.compile_flat(flat, request.form)?, ports))
     }
 
     /// Marks the inputs that recordings drive; each must exist and have no value of its own.
