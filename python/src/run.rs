@@ -316,7 +316,8 @@ pub fn numbers(bytes: &[u8]) -> Vec<f64> {
     bytes.as_chunks::<8>().0.iter().map(|b| f64::from_ne_bytes(*b)).collect()
 }
 
-fn bytes<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyBytes> {
+/// The bytes of numbers in the order of the machine.
+pub fn bytes<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyBytes> {
     let all: Vec<u8> = values.iter().flat_map(|x| x.to_ne_bytes()).collect();
     PyBytes::new(py, &all)
 }

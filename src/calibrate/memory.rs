@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
+use crate::driver::packed::Packed;
 use crate::io::csv::{ReadError, TextTable, read_text};
 
 use super::cause::RecordingCause;
+use super::elsewhere::Way;
 use super::plan::Plan;
 
 /// All of them; empty if everything is read from files.
@@ -20,6 +22,10 @@ pub struct Memory {
     pub table: Option<TextTable>,
     /// Recordings, by the names of the files that they take the place of.
     pub recordings: Vec<(String, NumberTable)>,
+    /// Folders of libraries and effects.
+    pub packed: Packed,
+    /// Other processes that do the runs.
+    pub elsewhere: Way,
 }
 
 /// Columns of numbers; NaN where there is none.

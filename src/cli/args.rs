@@ -344,6 +344,15 @@ pub struct Sweep {
     /// Start again and replace existing results.
     #[arg(long, visible_alias = "force")]
     pub restart: bool,
+    /// Do only part I of N, from 1: other processes do the others.
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["gather", "cluster"])]
+    pub shard: Option<String>,
+    /// Write the table from all shards.
+    #[arg(long, conflicts_with = "cluster")]
+    pub gather: bool,
+    /// Let the workers of a Dask cluster do the runs; for the Python package.
+    #[arg(long, value_name = "tcp://HOST:PORT")]
+    pub cluster: Option<String>,
     /// Simulation options.
     #[command(flatten)]
     pub running: Running,

@@ -44,8 +44,7 @@ impl Session {
     }
 
     fn check_classes(&mut self, request: &Request) -> Result<(), CompileError> {
-        let path = request.modelica_path.as_deref();
-        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let mut library = Library::new(super::files::folders(request));
         let file = self.read(request, &mut library)?;
         if self.problems.has_errors() {
             return Err(CompileError::Model);

@@ -34,6 +34,7 @@ use crate::structure::error::StructureCause;
 use crate::verify;
 
 use super::cause::RequestCause;
+use super::packed::Packed;
 
 /// A class with an annotation `__mocc`.
 #[derive(Clone, Debug)]
@@ -85,6 +86,8 @@ pub struct Request {
     pub folders: Vec<PathBuf>,
     /// The value of `MODELICAPATH`.
     pub modelica_path: Option<std::ffi::OsString>,
+    /// Those of `folders` that are in memory.
+    pub packed: Packed,
 }
 
 /// Why a request has no result. The diagnostics of the session hold the details.
@@ -158,8 +161,7 @@ impl Session {
         flat: impl Fn(&T) -> &FlatModel,
     ) -> Result<T, CompileError> {
         let begun = Instant::now();
-        let path = request.modelica_path.as_deref();
-        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let mut library = Library::new(super::files::folders(request));
         let file = self.read(request, &mut library)?;
         self.checked(CompileError::Model)?;
         let mut settings = Vec::with_capacity(request.settings.len());
@@ -202,8 +204,7 @@ impl Session {
 
     /// The full names of the classes of a package, sorted; the empty name is the top level.
     pub fn members(&mut self, request: &Request, package: &str) -> Vec<String> {
-        let path = request.modelica_path.as_deref();
-        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let mut library = Library::new(super::files::folders(request));
         let mut cx =
             Evaluator::new(ClassGraph::new(&mut self.sources, &mut self.problems, &mut library));
         if !package.is_empty() && find(&mut cx, package).is_none() {
@@ -218,8 +219,7 @@ impl Session {
 
     /// Classes of libraries that have an annotation `__mocc`, each with its entries.
     pub fn annotated(&mut self, request: &Request, classes: &[String]) -> Vec<Annotated> {
-        let path = request.modelica_path.as_deref();
-        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let mut library = Library::new(super::files::folders(request));
         let mut cx =
             Evaluator::new(ClassGraph::new(&mut self.sources, &mut self.problems, &mut library));
         let mut out = Vec::new();
@@ -236,8 +236,7 @@ impl Session {
     /// The entries of the annotation `__mocc` of the requested model; none if it cannot be found.
     pub fn own_annotation(&mut self, request: &Request) -> Annotated {
         let mut found = Annotated { class: String::new(), entries: Vec::new() };
-        let path = request.modelica_path.as_deref();
-        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let mut library = Library::new(super::files::folders(request));
         let Ok(file) = self.read(request, &mut library) else { return found };
         let mut cx =
             Evaluator::new(ClassGraph::new(&mut self.sources, &mut self.problems, &mut library));
@@ -426,7 +425,9 @@ impl Session {
         request: &Request,
         library: &mut Library,
     ) -> Result<Option<Arc<ast::File>>, CompileError> {
-        if let Some(folder) = request.folders.iter().find(|folder| !folder.is_dir()) {
+        if let Some(folder) =
+            request.folders.iter().find(|f| request.packed.folder(f).is_none() && !f.is_dir())
+        {
             let folder = folder.display().to_string();
             self.problems.push(Diagnostic::new(RequestCause::NoSuchFolder { folder }, Span::NONE));
             return Err(CompileError::Request);

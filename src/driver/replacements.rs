@@ -30,8 +30,7 @@ impl Session {
     /// The replacements that the elements of a model allow, by classes that extend their constraining class and stand
     /// beside it, beside the present class, or in the file of the model. None if the model cannot be found.
     pub fn replacements(&mut self, request: &Request) -> Vec<Replacement> {
-        let path = request.modelica_path.as_deref();
-        let mut library = Library::new(super::files::folders(&request.folders, path));
+        let mut library = Library::new(super::files::folders(request));
         let Ok(file) = self.read(request, &mut library) else { return Vec::new() };
         let own = file.iter().flat_map(|f| f.classes.iter().map(|c| c.name.name.to_string()));
         let within = file.as_ref().and_then(|f| Some(f.package()?.to_string()));

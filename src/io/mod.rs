@@ -17,3 +17,4 @@ pub mod matrix_file;
 pub mod parquet;
 pub mod records;
 pub mod results;
+pub mod wire;

@@ -203,16 +203,16 @@ fn sweep_until(journal: &Path, jobs: usize, stop_after: u64) -> Option<Vec<u8>> 
     let variants = Variants::new(model, base, &design.axes, design.count);
     let sweep =
         Sweep { design: &design, variants: &variants, settings, traces: None, measures, jobs };
-    let Ok(Found::Ours(mut journal)) = Journal::open(journal, 1) else { panic!("no journal") };
+    let Ok(Found::Ours(mut journal)) = Journal::open(journal, 1, 2) else { panic!("no journal") };
     let done = AtomicU64::new(journal.lines);
     let stop = || done.load(Ordering::Relaxed) >= stop_after;
     let observe = |k| done.store(k, Ordering::Relaxed);
-    let complete = sweep.run(&mut journal, &stop, observe).expect("a sweep");
+    let complete = sweep.run(0..600, &mut journal, &stop, observe).expect("a sweep");
     if !complete {
         return None;
     }
     let table = std::env::temp_dir().join(format!("mocc-sweep-{}-{jobs}.csv", std::process::id()));
-    let tally = sweep.write(&mut journal, &table).expect("a table");
+    let tally = sweep.write(&mut [journal], &table).expect("a table");
     assert_eq!((tally.runs, tally.failed), (600, 0));
     let text = std::fs::read(&table).expect("a table");
     std::fs::remove_file(&table).expect("a table");
@@ -248,7 +248,10 @@ fn another_sweep_at_the_same_place_is_refused() {
     assert_eq!((again.status, again.err.contains("--restart")), (2, true), "{}", again.err);
     assert_eq!(run(&["--vary", "rate=1,3", "--restart"]).status, 0);
     // A journal of something else.
-    folder.file("out/sweep.journal", "mocc journal 1 0000000000000001\n1,1,ok,,3,0\n");
+    folder.file(
+        "out/sweep.journal",
+        "mocc journal 2 0000000000000001 0000000000000002\n1,1,ok,,3,0\n",
+    );
     let other = run(&["--vary", "rate=1,3"]);
     assert_eq!((other.status, other.err.contains("another sweep")), (2, true), "{}", other.err);
 }
