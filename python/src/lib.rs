@@ -39,6 +39,7 @@ fn _mocc(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(derivative::sensitivities, module)?)?;
     module.add_function(wrap_pyfunction!(sweep::sweep_files, module)?)?;
     module.add_function(wrap_pyfunction!(study::calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(study::study_files, module)?)?;
     module.add_function(wrap_pyfunction!(study::diagnose, module)?)?;
     module.add_class::<model::Model>()?;
     module.add_class::<run::Run>()?;

@@ -33,7 +33,7 @@ fn memory(
     model: Option<String>,
     table: Option<Strings>,
     recordings: Vec<Frame<'_>>,
-    files: Folders<'_>,
+    folders: Folders<'_>,
     way: Way,
 ) -> Arc<Memory> {
     let table = table.map(|(names, rows)| {
@@ -45,8 +45,8 @@ fn memory(
             columns.into_iter().map(|(name, values)| (name, numbers(values.as_bytes()))).unzip();
         (name, NumberTable { names, columns })
     });
-    let (recordings, packed) = (recordings.collect(), packed(files));
-    Arc::new(Memory { plan, model, table, recordings, packed, elsewhere: way })
+    let (recordings, packed) = (recordings.collect(), packed(folders));
+    Arc::new(Memory { plan, model, table, recordings, files: Vec::new(), packed, elsewhere: way })
 }
 
 /// Other processes, as a Python function has them: of a problem and its tasks, as bytes, it makes the answers, as bytes.
@@ -106,6 +106,42 @@ impl Elsewhere for Spread {
     }
 }
 
+/// Files by their paths.
+type Files<'py> = Vec<(PathBuf, Bound<'py, PyBytes>)>;
+
+fn with_files(memory: Arc<Memory>, files: Files<'_>) -> Arc<Memory> {
+    let files = files.into_iter().map(|(path, bytes)| (path, bytes.as_bytes().to_vec()));
+    Arc::new(Memory { files: files.collect(), ..Arc::unwrap_or_clone(memory) })
+}
+
+/// The files of a study: the model's, the folders of libraries, and tables and recordings that are not in memory.
+#[pyfunction]
+pub fn study_files(
+    py: Python<'_>,
+    plan: PathBuf,
+    plan_text: Option<String>,
+    model_text: Option<String>,
+    table: Option<Strings>,
+    recordings: Vec<Frame<'_>>,
+    folder: Option<PathBuf>,
+) -> PyResult<(PathBuf, Vec<PathBuf>, Vec<PathBuf>)> {
+    let memory = memory(plan_text, model_text, table, recordings, Vec::new(), Way::default());
+    let found = background::run(py, move |_| {
+        let mut session = Session { parameters_vary: true, ..Session::default() };
+        let found = calibration::inputs(&plan, folder.as_deref(), &memory, &mut session);
+        let (plan, data) = found.map_err(|error| Trouble::of_calibration(&error, &session))?;
+        let mut files: Vec<PathBuf> = data.recordings.iter().map(|r| r.path.clone()).collect();
+        if !plan.table.is_empty() {
+            files.push(plan.folder.join(&plan.table));
+        }
+        files.sort();
+        files.dedup();
+        files.retain(|path| path.is_file());
+        Ok((plan.model, plan.libraries, files))
+    })?;
+    found.map_err(|trouble: Trouble| trouble.raise(py))
+}
+
 /// A process that evaluates recordings for others.
 #[pyclass(frozen)]
 pub struct Worker(Arc<elsewhere::Worker>);
@@ -123,9 +159,11 @@ impl Worker {
         recordings: Vec<Frame<'_>>,
         folder: Option<PathBuf>,
         effects: Option<PathBuf>,
-        files: Folders<'_>,
+        folders: Folders<'_>,
+        files: Files<'_>,
     ) -> PyResult<Worker> {
-        let memory = memory(plan_text, model_text, table, recordings, files, Way::default());
+        let memory = memory(plan_text, model_text, table, recordings, folders, Way::default());
+        let memory = with_files(memory, files);
         let request = calibration::Request {
             plan,
             memory,
@@ -241,14 +279,18 @@ pub fn calibrate(
     folder: Option<PathBuf>,
     profiles: bool,
     progress: Option<Py<PyAny>>,
-    files: Folders<'_>,
+    folders: Folders<'_>,
+    files: Files<'_>,
     spread: Option<Py<PyAny>>,
 ) -> PyResult<Calibration> {
     let cancelled = Cancelled::default();
     let spread = Spread::new(spread, &cancelled);
     let request = calibration::Request {
         plan,
-        memory: memory(plan_text, model_text, table, recordings, files, Spread::way(&spread)),
+        memory: with_files(
+            memory(plan_text, model_text, table, recordings, folders, Spread::way(&spread)),
+            files,
+        ),
         data: folder,
         modelica_path: std::env::var_os("MODELICAPATH"),
         profiles,
@@ -339,14 +381,13 @@ pub fn diagnose<'py>(
     effects: Option<PathBuf>,
     time_limit: Option<f64>,
     progress: Option<Py<PyAny>>,
-    files: Folders<'py>,
     spread: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyTuple>> {
     let cancelled = Cancelled::default();
     let spread = Spread::new(spread, &cancelled);
     let request = search::run::Request {
         plan,
-        memory: memory(plan_text, model_text, table, recordings, files, Spread::way(&spread)),
+        memory: memory(plan_text, model_text, table, recordings, Vec::new(), Spread::way(&spread)),
         data: folder,
         effects,
         modelica_path: std::env::var_os("MODELICAPATH"),

@@ -20,6 +20,7 @@ mod format;
 mod friction;
 mod implicit;
 mod library;
+mod linear;
 mod machine_code;
 mod mutation;
 mod measured;
