@@ -18,7 +18,7 @@ from mocc import _cluster
 pandas = pytest.importorskip("pandas")
 
 VARY = {"k": np.linspace(0.1, 2, 120), "x_0": [1.0, 2.0, 3.0]}
-MEASURES = {"half": "when(x < 1)", "end": "final(y)"}
+MEASURES = {"half": "when(x < 1)", "last": "final(y)"}
 PLAN = {
     "model": TANK,
     "time": {"column": "t", "unit": "s"},
@@ -251,7 +251,7 @@ def test_dask_workers_of_another_version_are_refused(cluster, tank):
 def test_the_command_uses_a_cluster(cluster, tmp_path):
     made, _ = cluster
     (tmp_path / "tank.mo").write_text(TANK)
-    shown = ["sweep", "tank.mo", "--vary", "k=0.1:2:40", "--measure", "end = final(y)", "--output"]
+    shown = ["sweep", "tank.mo", "--vary", "k=0.1:2:40", "--measure", "last = final(y)", "--output"]
 
     def run(*more: str) -> "subprocess.CompletedProcess[str]":
         command = [sys.executable, "-m", "mocc", *shown, *more]

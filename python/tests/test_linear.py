@@ -49,7 +49,7 @@ def test_other_packages_take_it(motor):
     scipy = pytest.importorskip("scipy.signal")
     system = motor.linearize(at="steady", outputs=["w"])
     t, y = scipy.step(system.to_scipy(), T=np.linspace(0, 2, 50))
-    run = motor.simulate(2, inputs={"v": ([0], [1.0])}, tolerance=1e-9)
+    run = motor.simulate(2, inputs={"v": ([0], [1.0])}, tolerance=1e-9, interval=1e-4)
     assert np.allclose(y, np.interp(t, run.time, run["w"]), atol=1e-3)
     control = pytest.importorskip("control")
     assert np.allclose(control.poles(system.to_control()), np.linalg.eigvals(system.A))
@@ -66,7 +66,7 @@ def test_a_steady_state_is_where_the_run_ends(motor):
         assert "Motor" in repr(rest) and "<table>" in rest._repr_html_() and rest.name == "Motor"
     assert motor.steady_state(inputs={"v": 12}).time >= 1
     with pytest.raises(KeyError, match="did you mean `rpm`"):
-        rest["rmp"]
+        rest["rpms"]
 
 
 def test_points_are_instants_states_and_steady_states(motor):

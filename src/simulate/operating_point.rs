@@ -14,6 +14,7 @@
 use crate::base::diag::Diagnostic;
 use crate::base::source::{SourceMap, Span};
 use crate::integrate::system::System;
+use crate::ir::expr::VarId;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Event};
 use crate::numeric::eigenvalues::eigenvalues;
@@ -207,6 +208,13 @@ impl<'p> OperatingPoint<'p> {
         if self.system.jacobian(time, &self.y, &mut matrix).is_err() {
             return Err(failed(&self.system));
         }
+        for k in 0..self.system.machine.program.order() {
+            // How long a model has been at rest is no motion.
+            if self.counts_time(k, rates[k]) {
+                rates[k] = 0.0;
+                (0..n).for_each(|j| (matrix[k + n * j], matrix[j + n * k]) = (0.0, 0.0));
+            }
+        }
         for (k, rate) in rates.iter_mut().enumerate() {
             *rate /= sizes[k];
         }
@@ -225,6 +233,13 @@ impl<'p> OperatingPoint<'p> {
         }
         let inverse = PseudoInverse::new(n, &matrix);
         Ok((rates, inverse))
+    }
+
+    /// A state that counts the time, s, as since the last motion of a body that sticks.
+    fn counts_time(&self, state: usize, rate: f64) -> bool {
+        let program = self.system.machine.program;
+        let unit = |v: VarId| program.blocks.dae.variables[v].unit.as_str() == "s";
+        rate == 1.0 && program.component(state).is_some_and(unit)
     }
 
     /// Newton's correction in units of `sizes`; the position of a state that it cannot bring to rest, if there is one.
