@@ -33,6 +33,7 @@ def motor() -> mocc.Model:
 
 def test_a_linear_model_is_its_own_linear_system(motor):
     system = motor.linearize()
+    assert isinstance(system, mocc.Linearization)
     a, b, c, d = system
     assert (system.states, system.inputs, system.outputs) == (["i", "w"], ["v"], ["rpm"])
     assert np.allclose(a, [[-200, -5], [500, -0.1]], rtol=1e-14)
@@ -58,6 +59,7 @@ def test_other_packages_take_it(motor):
 def test_a_steady_state_is_where_the_run_ends(motor):
     for solve in (False, True):
         rest = motor.steady_state(inputs={"v": 12}, solve=solve)
+        assert isinstance(rest, mocc.SteadyState)
         w = 12 / (2 * 1e-5 / 0.05 + 0.05)
         assert rest.states["w"] == pytest.approx(w, rel=1e-10) and rest["w"] == rest.states["w"]
         assert rest.outputs["rpm"] == pytest.approx(w * 30 / math.pi, rel=1e-10)
