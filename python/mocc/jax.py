@@ -51,7 +51,8 @@ def residuals(calibration: Calibration) -> Callable[[Any], Any]:
 def _function(both: Callable[[Any], tuple[Any, Any]], shape: tuple[int, ...]) -> Callable[[Any], Any]:
     def call(theta: Any) -> tuple[Any, Any]:
         dtype = jnp.result_type(theta, float)
-        outputs = (jax.ShapeDtypeStruct(shape, dtype), jax.ShapeDtypeStruct((*shape, *theta.shape), dtype))
+        struct: Any = jax.ShapeDtypeStruct
+        outputs = (struct(shape, dtype), struct((*shape, *theta.shape), dtype))
 
         def host(x: Any) -> tuple[Any, Any]:
             values, slopes = both(x)

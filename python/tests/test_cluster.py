@@ -104,6 +104,29 @@ def test_workers_of_other_versions_and_machines_are_refused(tank, monkeypatch):
             mocc.sweep(tank, VARY, executor=executor)
 
 
+def test_a_task_whose_workers_die_is_done_again_and_given_up_in_the_end(tank, table, monkeypatch):
+    class KilledWorker(Exception):
+        """As Dask raises it."""
+
+    real, deaths = _cluster.work, []
+
+    def dies(most: int):
+        def work(*arguments):
+            if len(deaths) < most and arguments[4] == "lines":
+                deaths.append(1)
+                raise KilledWorker
+            return real(*arguments)
+
+        return work
+
+    with ThreadPoolExecutor(2) as executor:
+        monkeypatch.setattr(_cluster, "work", dies(6))
+        assert mocc.sweep(tank, VARY, MEASURES, executor=executor).equals(table) and len(deaths) == 6
+        monkeypatch.setattr(_cluster, "work", dies(10_000))
+        with pytest.raises(mocc.RequestError, match="died each time"):
+            mocc.sweep(tank, VARY, MEASURES, executor=executor)
+
+
 # ---- Journals and progress ----
 
 
