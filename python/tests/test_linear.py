@@ -104,7 +104,7 @@ def test_settings_reach_the_point(motor):
 def test_what_has_no_point_says_so(motor):
     with pytest.raises(mocc.SimulationError) as caught:
         mocc.compile(BALL).steady_state(set={"e": 1.0})
-    assert caught.value.code in ("MO0934", "MO0912", "MO0911", "MO0910"), caught.value
+    assert caught.value.code in ("MO0937", "MO0912", "MO0911", "MO0910"), caught.value
     for wrong in (
         lambda: motor.steady_state(inputs={"u": 1}),
         lambda: motor.steady_state(inputs={"v": math.nan}),

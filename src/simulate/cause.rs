@@ -93,16 +93,16 @@ causes! {
             help("remove `noEvent`, so that each switch is an event, or give the two branches a \
                   hysteresis or a smooth transition");
         /// A model does not come to rest.
-        error MO0934 NotSettled { time: f64, state: String }
+        error MO0937 NotSettled { time: f64, state: String }
             => ("the model does not come to rest: at time {time} s {} still moves", named(state)),
             help("damp what oscillates, hold what drifts, or search a steady state from the initial \
                   values with `--solve`");
         /// No state near the initial values has derivatives of zero.
-        error MO0935 NoSteadyState { time: f64, state: String }
+        error MO0938 NoSteadyState { time: f64, state: String }
             => ("no steady state is found near the initial values: {} does not come to rest", named(state)),
             help("give start values nearer to it, or let the model settle without `--solve`");
         /// A model has no linear system at a point.
-        error MO0936 NotLinear { time: f64, why: &'static str }
+        error MO0939 NotLinear { time: f64, why: &'static str }
             => ("the model cannot be linearized at time {time} s: {why}");
         /// An invariant of mocc is violated.
         error MO0999 Bug { what: String }

@@ -159,9 +159,9 @@ fn what_does_not_rest_is_named() {
                  equation\n  der(x) = 1;\n  der(y) = -y;\nend M;\n";
     let (_, ended) = run(model, &["steady"]);
     assert_eq!(ended.status, 3, "{}", ended.out);
-    assert!(ended.err.contains("MO0934") && ended.err.contains("`x` still moves"), "{}", ended.err);
+    assert!(ended.err.contains("MO0937") && ended.err.contains("`x` still moves"), "{}", ended.err);
     let (_, ended) = run(model, &["steady", "--solve"]);
-    assert!(ended.err.contains("MO0935") && ended.err.contains("`x`"), "{}", ended.err);
+    assert!(ended.err.contains("MO0938") && ended.err.contains("`x`"), "{}", ended.err);
     // A position that nothing holds is the nearest of many.
     let free = "model M\n  Real x(start = 3, fixed = true);\n  Real v(start = 1, fixed = true);\n\
                 equation\n  der(x) = v;\n  der(v) = -2*v;\nend M;\n";
