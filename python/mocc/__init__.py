@@ -21,6 +21,7 @@ from mocc._errors import (
     RequestError,
     SimulationError,
 )
+from mocc._linear import Linearization, SteadyState
 from mocc._mocc import __version__
 from mocc._model import Model, Parameter, Variable, compile
 from mocc._result import Column, Event, Figure, Result
@@ -37,6 +38,7 @@ __all__ = [
     "Event",
     "Figure",
     "InternalError",
+    "Linearization",
     "Model",
     "ModelError",
     "ModelWarning",
@@ -46,6 +48,7 @@ __all__ = [
     "RequestError",
     "Result",
     "SimulationError",
+    "SteadyState",
     "Variable",
     "__version__",
     "calibrate",

@@ -10,7 +10,39 @@ _Event = tuple[float, str, str]
 _Frame = tuple[str, list[tuple[str, bytes]]]
 _Strings = tuple[list[str], list[list[str]]]
 
+_Folders = list[tuple[str, list[tuple[str, bytes]]]]
+_Files = list[tuple[str, bytes]]
+
 def main(arguments: list[str]) -> int: ...
+def arithmetic() -> int: ...
+def linear_system(
+    model: Model,
+    at: str,
+    time: float,
+    states: list[tuple[str, float]],
+    settings: list[tuple[str, float | str]],
+    inputs: list[tuple[str, float]],
+    outputs: list[str] | None,
+    tolerance: float | None,
+) -> dict[str, Any]: ...
+def sensitivities(
+    model: Model,
+    parameters: list[str],
+    variables: list[str],
+    times: bytes,
+    settings: list[tuple[str, float | str]],
+    inputs: list[tuple[str, bytes, bytes, str]],
+    tolerance: float | None,
+) -> tuple[Values, Values]: ...
+def sweep_files(arguments: list[str]) -> tuple[str | None, list[str], str | None]: ...
+def study_files(
+    plan: str,
+    plan_text: str | None,
+    model_text: str | None,
+    table: _Strings | None,
+    recordings: list[_Frame],
+    folder: str | None,
+) -> tuple[str, list[str], list[str]]: ...
 
 class Values:
     def __len__(self) -> int: ...
@@ -86,6 +118,9 @@ def calibrate(
     folder: str | None,
     profiles: bool,
     progress: Callable[[str], object] | None,
+    folders: _Folders,
+    files: _Files,
+    spread: Callable[[bytes, list[bytes]], list[bytes | None]] | None,
 ) -> Calibration: ...
 def diagnose(
     plan: str,
@@ -97,6 +132,7 @@ def diagnose(
     effects: str | None,
     time_limit: float | None,
     progress: Callable[[str], object] | None,
+    spread: Callable[[bytes, list[bytes]], list[bytes | None]] | None,
 ) -> tuple[str, str, str, tuple[str, str] | None, list[str]]: ...
 
 class Sweep:
@@ -111,7 +147,37 @@ class Sweep:
         sample: tuple[int, int] | None,
         measures: list[str],
         options: tuple[float | None, float | None, float | None, str],
+        files: _Folders,
     ) -> None: ...
+    @staticmethod
+    def command(arguments: list[str], text: str | None, files: _Folders) -> Sweep: ...
     def __len__(self) -> int: ...
     def fields(self) -> list[tuple[str, str, str, str]]: ...
-    def rows(self, begin: int, end: int, jobs: int | None) -> list[tuple[Any, ...]]: ...
+    def lines(
+        self, begin: int, end: int, jobs: int | None, tell: Callable[[str], object] | None
+    ) -> list[str]: ...
+    def row(self, text: str) -> tuple[Any, ...]: ...
+    def journal(self, path: str | None) -> Journal: ...
+    def keeps_trajectories(self) -> bool: ...
+    def finish(self, journal: Journal, done: int, seconds: float, how: str) -> int: ...
+
+class Journal:
+    def lines(self) -> list[str]: ...
+    def push(self, lines: list[str]) -> None: ...
+    def close(self) -> None: ...
+    def remove(self) -> None: ...
+
+class Worker:
+    def __init__(
+        self,
+        plan: str,
+        plan_text: str | None,
+        model_text: str | None,
+        table: _Strings | None,
+        recordings: list[_Frame],
+        folder: str | None,
+        effects: str | None,
+        folders: _Folders,
+        files: _Files,
+    ) -> None: ...
+    def answers(self, problem: bytes, tasks: list[bytes]) -> list[bytes | None]: ...

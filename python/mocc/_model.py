@@ -16,7 +16,8 @@ import numpy as np
 
 from mocc import _mocc
 from mocc._errors import ModelWarning, RequestError, SimulationError
-from mocc._frames import Numbers, columns_of, finite, names_of, packed
+from mocc._frames import Numbers, columns_of, finite, names_of, packed, view
+from mocc._linear import Linearization, SteadyState
 from mocc._result import Result, _near
 
 Setting = float | int | bool | str | Iterable[Any]
@@ -165,6 +166,118 @@ class Model:
         for line in printed:
             print(line)
         return Result(run, self.name, statistics)
+
+    def steady_state(
+        self,
+        *,
+        set: Mapping[str, Setting] | None = None,
+        inputs: Mapping[str, float] | None = None,
+        outputs: Iterable[str] | None = None,
+        solve: bool = False,
+        tolerance: float | None = None,
+    ) -> SteadyState:
+        """The state in which the model comes to rest, with inputs held at constant values.
+
+        It is simulated until nothing moves any more, ten times longer each time; then Newton's method makes the point
+        exact. So of several steady states it is the one that the model reaches from its start, and it is never an
+        unstable one. `solve=True` solves the equations from the initial values instead, which is immediate and also finds
+        unstable states.
+        `set` is that of `simulate`, `inputs` maps inputs to values, SI; the others keep their start value. `outputs` names
+        further variables to be outputs; without it, those of the model.
+
+        Errors: `SimulationError` if it does not come to rest; otherwise as for `simulate`.
+        """
+        kind = "solved" if solve else "settled"
+        found = self._linear(kind, 0.0, {}, set, inputs, outputs, tolerance)
+        return SteadyState(self.name, found, (set, dict(inputs or {})))
+
+    def linearize(
+        self,
+        at: float | Literal["steady"] | SteadyState | Mapping[str, float] | None = None,
+        *,
+        set: Mapping[str, Setting] | None = None,
+        inputs: Mapping[str, float] | None = None,
+        outputs: Iterable[str] | None = None,
+        tolerance: float | None = None,
+    ) -> Linearization:
+        """The linear system of the model at a point: `A`, `B`, `C` and `D` with names, from exact derivatives.
+
+        `at` is an instant of a run, s; `"steady"`, where the model comes to rest; a `SteadyState`; or values of states,
+        SI, by their names, where states that are not named keep their initial value. Without it, the start of a run.
+        `inputs` maps inputs to values, SI, at which they are held; the others keep their start value. `outputs` names the
+        outputs; without it, those of the model. `set` is that of `simulate`.
+        Relations keep their values: the system is that of the branch on which the point is.
+
+        Errors: `SimulationError` if the point is not reached, or has no linear system; otherwise as for `simulate`.
+        """
+        kind, time, states = "time", 0.0, dict[str, float]()
+        if at is None:
+            time = self._native.experiment()[0] or 0.0
+        elif isinstance(at, SteadyState):
+            kind, states = "states", dict(at.states)
+            set = {**(at._origin[0] or {}), **(set or {})}
+            inputs = {**at.inputs, **(inputs or {})}
+        elif isinstance(at, Mapping):
+            kind, states = "states", {name: _number(name, value) for name, value in at.items()}
+        elif isinstance(at, str):
+            _one_of("at", at, ("steady",))
+            kind = "settled"
+        else:
+            time = _number("at", at)
+        return Linearization(self.name, self._linear(kind, time, states, set, inputs, outputs, tolerance))
+
+    def _linear(
+        self,
+        kind: str,
+        time: float,
+        states: Mapping[str, float],
+        set: Mapping[str, Setting] | None,
+        inputs: Mapping[str, float] | None,
+        outputs: Iterable[str] | None,
+        tolerance: float | None,
+    ) -> dict[str, Any]:
+        if tolerance is not None:
+            _number("tolerance", tolerance)
+        held = [(name, _number(name, value)) for name, value in (inputs or {}).items()]
+        names = None if outputs is None else list(outputs)
+        return _mocc.linear_system(self._native, kind, time, list(states.items()), settings_of(set or {}), held, names,
+                                   tolerance)
+
+    def sensitivities(
+        self,
+        parameters: Iterable[str],
+        variables: Iterable[str],
+        times: Any,
+        *,
+        set: Mapping[str, Setting] | None = None,
+        inputs: Mapping[str, Signal] | Any | None = None,
+        tolerance: float | None = None,
+        interpolation: Literal["hold", "linear", "monotone", "spline"] = "linear",
+    ) -> tuple[Numbers, Numbers]:
+        """A run and its derivatives: the values of variables, shape `(times, variables)`, and their derivatives by
+        parameters, shape `(times, variables, parameters)`, in SI units.
+
+        The derivatives are exact, also across events and along sliding modes. `parameters` are Real parameters that only
+        enter equations, or start values as `x.start`. `times` are increasing instants, s; the run ends at the last of
+        them. `set` also holds values of `parameters`; the other arguments are those of `simulate`.
+
+        Errors: `RequestError` for other parameters, unknown variables and times that do not increase; otherwise as for
+        `simulate`.
+        """
+        _one_of("interpolation", interpolation, INTERPOLATIONS)
+        if tolerance is not None:
+            _number("tolerance", tolerance)
+        by, of = list(parameters), list(variables)
+        instants = finite(times, "`times`")
+        if len(instants) == 0 or np.any(np.diff(instants) <= 0):
+            raise RequestError("`times` must be increasing instants, at least one")
+        if not by or not of:
+            raise RequestError("name at least one parameter and one variable")
+        drives = [] if inputs is None else self._drives(inputs, float(instants[-1]), None, interpolation)
+        settings = settings_of(set or {})
+        values, slopes = _mocc.sensitivities(self._native, by, of, packed(instants), settings, drives, tolerance)
+        shape = (len(instants), len(of))
+        return view(values).reshape(shape), view(slopes).reshape(*shape, len(by))
 
     def _span(self, stop: float | None, interval: float | None) -> tuple[float, float, float]:
         start, end, spacing, _ = self._native.experiment()

@@ -5,8 +5,11 @@ from __future__ import annotations
 import html
 import json
 import math
+import tomllib
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
+from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike, fspath
 from typing import Any
@@ -15,16 +18,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mocc import _mocc
+from mocc._bundle import Folders, check_travels
+from mocc._bundle import packed as packed_folders
+from mocc._cluster import Bundle, Fits, Spreader, Task, Team
 from mocc._errors import ModelWarning, RequestError
 from mocc._frames import Numbers, columns_of, finite, numbers, packed, view
 from mocc._model import Model, _number, source_of
-
-Progress = Callable[[str], object]
-"""Called with a line of text now and then."""
+from mocc._progress import Bar, Progress
 
 
 Frame = tuple[str, list[tuple[str, bytes]]]
 Strings = tuple[list[str], list[list[str]]]
+Files = list[tuple[str, bytes]]
+"""Files by their paths."""
 Study = tuple[str, str | None, str | None, Strings | None, list[Frame], str | None]
 
 
@@ -198,7 +204,10 @@ def calibrate(
     table: Any | None = None,
     folder: str | PathLike[str] | None = None,
     profiles: bool = True,
-    progress: Progress | None = None,
+    starts: int = 1,
+    seed: int = 1,
+    executor: Executor | None = None,
+    progress: Progress | bool | None = None,
     **keys: Any,
 ) -> Calibration:
     """Fits the free parameters of a plan to recordings.
@@ -210,12 +219,23 @@ def calibrate(
     and `table`, each of them is a training recording. NaN marks values that were not measured. `table` takes the place of
     the plan's table of recordings, and `folder` is that of files.
     `profiles=False` takes confidence intervals from standard errors alone, which is faster.
+    With `starts`, so many fits begin at different points: the first where the plan starts, the others in a Latin hypercube
+    over the parameters that have a `min` and a `max`, which `seed` decides; the best one counts.
+    `executor` is any `concurrent.futures.Executor`, whose workers do the fits from these starts, and the runs of the
+    recordings and their derivatives; the result is the same.
+    `progress=True` shows a bar where tqdm is installed; a function is called with lines of text.
 
     Errors: `RequestError` if the plan or a recording is wrong, such as a missing column or a wrong unit; `ModelError`;
     `SimulationError` if the model cannot be simulated at the start. Ctrl-C raises `KeyboardInterrupt`.
     """
+    if starts < 1:
+        raise RequestError(f"`starts` is {starts}; it is the number of fits")
     study = _study(plan, data, table, folder, keys)
-    native = _mocc.calibrate(*study, profiles=profiles, progress=progress)
+    with _told(progress) as tell:
+        if starts > 1:
+            study = _from_best_start(study, starts, seed, executor, tell)
+        with _elsewhere(study, None, executor) as spread:
+            native = _mocc.calibrate(*study, profiles=profiles, progress=tell, folders=[], files=[], spread=spread)
     _warn(native.warnings)
     return Calibration(native)
 
@@ -228,7 +248,8 @@ def diagnose(
     folder: str | PathLike[str] | None = None,
     effects: str | PathLike[str] | None = None,
     time_limit: float | None = None,
-    progress: Progress | None = None,
+    executor: Executor | None = None,
+    progress: Progress | bool | None = None,
     **keys: Any,
 ) -> Diagnosis:
     """Finds the physical effects that a model lacks, from recordings.
@@ -240,9 +261,99 @@ def diagnose(
         raise RequestError(f"`time_limit` is {time_limit} s, which is negative")
     study = _study(plan, data, table, folder, keys)
     own = None if effects is None else fspath(effects)
-    found = _mocc.diagnose(*study, effects=own, time_limit=time_limit, progress=progress)
+    with _told(progress) as tell, _elsewhere(study, own, executor) as spread:
+        found = _mocc.diagnose(*study, effects=own, time_limit=time_limit, progress=tell, spread=spread)
     _warn(found[4])
     return Diagnosis(found)
+
+
+@contextmanager
+def _told(progress: Progress | bool | None) -> Iterator[Progress | None]:
+    """The function that is told how far the work has come."""
+    if progress is True:
+        with Bar(None, "") as bar:
+            yield bar.line
+    else:
+        yield progress or None
+
+
+@contextmanager
+def _elsewhere(study: Study, effects: str | None, executor: Executor | None) -> Iterator[Spreader | None]:
+    """What evaluates recordings on the workers of an executor."""
+    if executor is None:
+        yield None
+        return
+    sent, folders, files = _travelling(study, [] if effects is None else [effects])
+    spread = Spreader(executor, Bundle.of("study", *sent, effects, folders, files))
+    try:
+        yield spread
+    finally:
+        spread.close()
+
+
+def _travelling(study: Study, folders: list[str]) -> tuple[Study, Folders, Files]:
+    """A study with its plan and its model in memory, its folders of libraries and effects, and its other files."""
+    path, text, model, table, recordings, folder = study
+    model_file, libraries, paths = _mocc.study_files(*study)
+    if text is None:
+        text = _read(path)
+    if model is None:
+        model = _read(model_file)
+    check_travels(model_file, model)
+    files = []
+    for found in paths:
+        with open(found, "rb") as file:
+            files.append((found, file.read()))
+    return (path, text, model, table, recordings, folder), packed_folders([*libraries, *folders]), files
+
+
+def _from_best_start(study: Study, starts: int, seed: int, executor: Executor | None,
+                     tell: Progress | None) -> Study:
+    """The study whose plan starts at the best of several fits."""
+    path, text, model, table, recordings, folder = study
+    plan = tomllib.loads(text if text is not None else _read(path))
+    free = plan.get("free", {})
+    ranged = [name for name, entry in free.items()
+              if name != "each" and isinstance(entry, dict) and {"min", "max"} <= entry.keys()]
+    if not ranged:
+        raise RequestError("`starts` needs parameters with `min` and `max`, between which fits can begin")
+    plans = [toml(plan)]
+    random = np.random.default_rng(seed)
+    columns = {name: random.permutation(starts - 1) + random.random(starts - 1) for name in ranged}
+    for k in range(starts - 1):
+        moved = {**free}
+        for name in ranged:
+            low, high = float(free[name]["min"]), float(free[name]["max"])
+            share = columns[name][k] / (starts - 1)
+            # Over decades, where a parameter spans some.
+            start = low * (high / low) ** share if 0 < 10 * low < high else low + (high - low) * share
+            moved[name] = {**free[name], "start": start}
+        plans.append(toml({**plan, "free": moved}))
+    if executor is None:
+        fits = Fits(study, [], [])
+        found = []
+        for k, one in enumerate(plans):
+            found.append(fits.fit(one))
+            if tell is not None:
+                tell(f"start {k + 1} of {starts}")
+    else:
+        team = Team(executor, Bundle.of("fits", *_travelling(study, [])))
+        found = team.map(Task("fit", (one,)) for one in plans)
+    ended = [one for one in found if one is not None]
+    if not ended:
+        return study
+    best = min(ended, key=lambda one: one[0])[1]
+    moved = {name: {**entry, "start": best[name]} if name in best and isinstance(entry, dict) else entry
+             for name, entry in free.items()}
+    return path, toml({**plan, "free": moved}), model, table, recordings, folder
+
+
+def _read(path: str) -> str:
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+    except (OSError, UnicodeDecodeError) as why:
+        raise RequestError(f"cannot read {path}: {why}") from None
 
 
 def _study(plan: Any, data: Mapping[str, Any] | None, table: Any, folder: Any,

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import pickle
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
-from functools import lru_cache
+from contextlib import nullcontext
+from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from mocc import _mocc
+from mocc._bundle import check_travels, packed
+from mocc._cluster import Bundle, Team, lines
 from mocc._errors import RequestError
 from mocc._model import METHODS, Model, _number, _one_of, _setting
+from mocc._progress import Bar
 
 if TYPE_CHECKING:
     import pandas
-
-TASKS = 64
-"""Number of tasks that an executor gets."""
 
 
 def sweep(
@@ -34,6 +34,8 @@ def sweep(
     method: Literal["auto", "radau", "bdf", "dopri"] = "auto",
     jobs: int | None = None,
     executor: Executor | None = None,
+    journal: str | PathLike[str] | None = None,
+    progress: bool | Callable[[int, int], object] = False,
 ) -> pandas.DataFrame:
     """Runs a model with all combinations of values, or with a Latin hypercube sample of them.
 
@@ -43,10 +45,12 @@ def sweep(
     The DataFrame has a row for each run, in order, with the values, the measures in SI units (NaN if something did not
     happen), and `status`, `error`, `steps` and `events`; `df.attrs["units"]` maps columns to units. A run that fails has a
     row too. The table does not depend on `jobs`, the number of threads (by default all cores), or on `executor`, any
-    `concurrent.futures.Executor`, which then does the work in tasks of its own.
+    `concurrent.futures.Executor`, whose workers then do the runs.
+    `journal` is a file that holds the rows so far: the same call resumes from there, and the last row removes it.
+    `progress=True` shows a bar where tqdm is installed; a function is called with the number of runs done and of all.
 
-    Errors: `RequestError` for wrong arguments and unknown parameters, `ModelError` if the model is wrong,
-    `ImportError` without pandas. Ctrl-C raises `KeyboardInterrupt`.
+    Errors: `RequestError` for wrong arguments and unknown parameters, for workers of another version, and for a journal of
+    another sweep; `ModelError` if the model is wrong; `ImportError` without pandas. Ctrl-C raises `KeyboardInterrupt`.
     """
     import pandas
 
@@ -61,10 +65,15 @@ def sweep(
     formulas = [f"{name} = {text}" for name, text in (measures or {}).items()]
     points = [(name, _points(name, values, sample)) for name, values in vary.items()]
     drawn = None if sample is None else (sample, seed)
-    arguments = (*model._source, points, drawn, formulas, (stop, interval, tolerance, method))
+    files = [] if executor is None else packed(model._source[4])
+    arguments = (*model._source, points, drawn, formulas, (stop, interval, tolerance, method), files)
     native = _mocc.Sweep(*arguments)
-    rows = native.rows(0, len(native), jobs) if executor is None else _spread(native, arguments, executor)
-    columns = {}
+    team = None
+    if executor is not None:
+        check_travels(model._source[0], model._source[1])
+        team = Team(executor, Bundle.of("sweep", *arguments))
+    rows = _rows(native, jobs, team, journal, progress)
+    columns: dict[str, Any] = {}
     fields = native.fields()
     for (name, kind, _, _), values in zip(fields, zip(*rows, strict=True), strict=True):
         if kind == "Real":
@@ -76,6 +85,42 @@ def sweep(
     frame = pandas.DataFrame(columns)
     frame.attrs = {"model": model.name, "units": {name: unit for name, _, unit, _ in fields}}
     return frame
+
+
+def _rows(native: _mocc.Sweep, jobs: int | None, team: Team | None, journal: str | PathLike[str] | None,
+          progress: bool | Callable[[int, int], object]) -> list[tuple[Any, ...]]:
+    count = len(native)
+    kept = None if journal is None else native.journal(fspath(journal))
+    found = [] if kept is None else kept.lines()
+    before = len(found)
+    bar = Bar(count, "run") if progress is True else None
+    tell = progress if callable(progress) else None
+
+    def take(more: list[str]) -> None:
+        found.extend(more)
+        if kept is not None:
+            kept.push(more)
+        if bar is not None:
+            bar.reach(len(found))
+        if tell is not None:
+            tell(len(found), count)
+
+    with bar or nullcontext():
+        try:
+            if team is not None:
+                lines(native, team, before, take)
+            elif kept is None and bar is None and tell is None:
+                found = native.lines(before, count, jobs, None)
+            else:
+                native.lines(before, count, jobs, lambda line: take([line]))
+        except BaseException:
+            # The journal survives whatever ends this.
+            if kept is not None:
+                kept.close()
+            raise
+    if kept is not None:
+        kept.remove()
+    return [native.row(line) for line in found]
 
 
 def _points(name: str, values: Any, sample: int | None) -> tuple[float, float] | list[float | str]:
@@ -91,27 +136,3 @@ def _points(name: str, values: Any, sample: int | None) -> tuple[float, float] |
     if not found:
         raise RequestError(f"`{name}` varies over no values")
     return found
-
-
-def _spread(native: _mocc.Sweep, arguments: tuple[Any, ...], executor: Executor) -> list[tuple[Any, ...]]:
-    count = len(native)
-    bundle = pickle.dumps(arguments)
-    size = max(1, -(-count // TASKS))
-    tasks = [executor.submit(_task, bundle, k, min(k + size, count)) for k in range(0, count, size)]
-    try:
-        return [row for task in tasks for row in task.result()]
-    finally:
-        for task in tasks:
-            task.cancel()
-
-
-def _task(bundle: bytes, begin: int, end: int) -> list[tuple[Any, ...]]:
-    return _compiled(bundle).rows(begin, end, 1)
-
-
-@lru_cache(maxsize=4)
-def _compiled(bundle: bytes) -> _mocc.Sweep:
-    """A worker compiles a model once."""
-    return _mocc.Sweep(*pickle.loads(bundle))
-
-

@@ -28,6 +28,11 @@ impl Cancelled {
     pub fn is_set(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
+
+    /// Tells it to end.
+    pub fn set(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
 }
 
 /// Starts a thread.
@@ -76,7 +81,7 @@ pub fn wait<T: Send>(
             Err(RecvTimeoutError::Timeout) => {}
         }
         if let Err(why) = heard.and_then(|()| py.check_signals()) {
-            cancelled.0.store(true, Ordering::Relaxed);
+            cancelled.set();
             let _ = receive(GRACE);
             return Err(why);
         }

@@ -5,6 +5,7 @@
 
 mod arrow;
 mod background;
+mod derivative;
 mod error;
 mod model;
 mod run;
@@ -22,16 +23,29 @@ fn main(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
     py.detach(|| mocc::cli::main(arguments) as u8)
 }
 
+/// A fingerprint of the arithmetic of this machine.
+#[pyfunction]
+fn arithmetic(py: Python<'_>) -> u64 {
+    py.detach(mocc::runtime::host::arithmetic)
+}
+
 /// The native part of the package `mocc`.
 #[pymodule]
 fn _mocc(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_function(wrap_pyfunction!(main, module)?)?;
+    module.add_function(wrap_pyfunction!(arithmetic, module)?)?;
+    module.add_function(wrap_pyfunction!(derivative::linear_system, module)?)?;
+    module.add_function(wrap_pyfunction!(derivative::sensitivities, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep_files, module)?)?;
     module.add_function(wrap_pyfunction!(study::calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(study::study_files, module)?)?;
     module.add_function(wrap_pyfunction!(study::diagnose, module)?)?;
     module.add_class::<model::Model>()?;
     module.add_class::<run::Run>()?;
     module.add_class::<values::Values>()?;
     module.add_class::<study::Calibration>()?;
+    module.add_class::<study::Worker>()?;
+    module.add_class::<sweep::Journal>()?;
     module.add_class::<sweep::Sweep>()
 }

@@ -27,6 +27,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyTuple};
 
 use crate::background;
+use crate::derivative::Others;
 use crate::error::{Kind, Trouble, warnings};
 use crate::run::{self, kind_name, numbers};
 
@@ -55,7 +56,7 @@ impl Setting {
 }
 
 /// A signal that drives an input: its name, instants in s, values, and interpolation.
-type Drive<'py> = (String, Bound<'py, PyBytes>, Bound<'py, PyBytes>, String);
+pub type Drive<'py> = (String, Bound<'py, PyBytes>, Bound<'py, PyBytes>, String);
 
 /// A program and the number of its runs.
 pub struct Compiled {
@@ -68,7 +69,8 @@ pub struct Compiled {
 }
 
 impl Compiled {
-    fn new(program: Program, sources: SourceMap) -> Compiled {
+    /// A program that has not run.
+    pub fn new(program: Program, sources: SourceMap) -> Compiled {
         Compiled { program, sources, runs: AtomicU64::new(0), execution: OnceLock::new() }
     }
 
@@ -101,6 +103,8 @@ pub struct Model {
     request: Request,
     base: Arc<Compiled>,
     variants: Mutex<Vec<(Vec<String>, Arc<Compiled>)>>,
+    /// Programs for linear systems, and for derivatives of runs.
+    pub others: Others,
     /// Warnings of the compiler, rendered.
     #[pyo3(get)]
     warnings: Vec<String>,
@@ -124,7 +128,14 @@ impl Model {
         let first = Request { check_units: true, ..request.clone() };
         let text = request.text.clone();
         let (base, warnings) = compiled(py, first)?;
-        Ok(Model { request, base: Arc::new(base), variants: Mutex::default(), warnings, text })
+        Ok(Model {
+            request,
+            base: Arc::new(base),
+            variants: Mutex::default(),
+            others: Others::default(),
+            warnings,
+            text,
+        })
     }
 
     /// Full name of the model.
@@ -227,15 +238,7 @@ impl Model {
         method: &str,
         right_limits: bool,
     ) -> PyResult<Bound<'py, PyTuple>> {
-        let base = &self.base.program;
-        let (mut of_run, mut of_program) = (Vec::new(), Vec::new());
-        for (name, setting) in settings {
-            let name: String = name.chars().filter(|c| !c.is_whitespace()).collect();
-            match setting {
-                Setting::Number(x) if settable(base, &name).is_some() => of_run.push((name, x)),
-                other => of_program.push(format!("{name}={}", other.value().expression())),
-            }
-        }
+        let (of_run, of_program) = self.split(settings);
         let driven: Vec<String> = inputs.iter().map(|(name, ..)| name.clone()).collect();
         let compiled = self.variant(py, of_program, driven)?;
         let program = &compiled.program;
@@ -251,35 +254,73 @@ impl Model {
                 format!("there is no method `{method}`; known are auto, radau, bdf, dopri");
             Trouble::plain(Kind::Request, message).raise(py)
         })?;
-        for (name, value) in of_run {
-            let input = settable(program, &name).ok_or_else(|| {
-                let message = format!("with the other settings, there is no parameter `{name}`");
-                Trouble::plain(Kind::Request, message).raise(py)
-            })?;
-            settings.set(input, value);
-        }
-        for (name, times, values, interpolation) in &inputs {
-            let variables = &program.blocks.dae.variables;
-            // The compiler has checked that it exists.
-            let Some((v, _)) = variables.enumerate().find(|(_, v)| v.name == *name) else {
-                continue;
-            };
-            let (times, values) = (numbers(times.as_bytes()), numbers(values.as_bytes()));
-            let signal = TimeSeries::new(times.into(), values, interpolation_named(interpolation));
-            settings.courses.push((v, Arc::new(signal)));
-        }
+        set_all(program, &of_run, &mut settings).map_err(|trouble| trouble.raise(py))?;
+        drive(program, &inputs, &mut settings);
         settings.execution = py.detach(|| compiled.execution());
         run::simulate(py, &compiled, &settings, right_limits)
     }
 }
 
+/// Values that a run sets, and settings with which the program must be compiled.
+pub type Split = (Vec<(String, f64)>, Vec<String>);
+
+/// Sets parameters and start values of a run. Errors: with other settings of the program, one does not exist.
+pub fn set_all(
+    program: &Program,
+    values: &[(String, f64)],
+    settings: &mut Settings,
+) -> Result<(), Trouble> {
+    for (name, value) in values {
+        let input = settable(program, name).ok_or_else(|| {
+            let message = format!("with the other settings, there is no parameter `{name}`");
+            Trouble::plain(Kind::Request, message)
+        })?;
+        settings.set(input, *value);
+    }
+    Ok(())
+}
+
+/// Drives inputs, whose existence the compiler has checked, by signals.
+pub fn drive(program: &Program, inputs: &[Drive<'_>], settings: &mut Settings) {
+    for (name, times, values, interpolation) in inputs {
+        let variables = &program.blocks.dae.variables;
+        let Some((v, _)) = variables.enumerate().find(|(_, v)| v.name == *name) else {
+            continue;
+        };
+        let (times, values) = (numbers(times.as_bytes()), numbers(values.as_bytes()));
+        let signal = TimeSeries::new(times.into(), values, interpolation_named(interpolation));
+        settings.courses.push((v, Arc::new(signal)));
+    }
+}
+
 impl Model {
+    /// The request with further settings.
+    pub fn request(&self, settings: Vec<String>) -> Request {
+        let mut request = self.request.clone();
+        request.settings.extend(settings);
+        request
+    }
+
+    /// What of these settings a run sets, and what the program depends on.
+    pub fn split(&self, settings: Vec<(String, Setting)>) -> Split {
+        let base = &self.base.program;
+        let (mut of_run, mut of_program) = (Vec::new(), Vec::new());
+        for (name, setting) in settings {
+            let name: String = name.chars().filter(|c| !c.is_whitespace()).collect();
+            match setting {
+                Setting::Number(x) if settable(base, &name).is_some() => of_run.push((name, x)),
+                other => of_program.push(format!("{name}={}", other.value().expression())),
+            }
+        }
+        (of_run, of_program)
+    }
+
     fn place(&self, span: Span) -> Option<String> {
         self.base.sources.place(span)
     }
 
     /// The program with these settings, in which signals drive these inputs.
-    fn variant(
+    pub fn variant(
         &self,
         py: Python<'_>,
         settings: Vec<String>,

@@ -170,17 +170,12 @@ pub fn simulate<'py>(
     let Compiled { program, sources, .. } = compiled;
     let mut recording = Recording {
         trajectory: Trajectory::default(),
+        right_limits,
         printed: Vec::new(),
         looked: Instant::now(),
         raised: None,
     };
-    let outcome = py.detach(|| {
-        let outcome = simulate_to(program, settings, sources, &mut recording);
-        if right_limits {
-            recording.trajectory.keep_right_limits();
-        }
-        outcome
-    });
+    let outcome = py.detach(|| simulate_to(program, settings, sources, &mut recording));
     if let Some(raised) = recording.raised {
         return Err(raised);
     }
@@ -227,6 +222,8 @@ fn facts<'py>(py: Python<'py>, s: &Statistics) -> PyResult<Bound<'py, PyDict>> {
 /// Keeps all rows, and looks at the signals of the process from time to time.
 struct Recording {
     trajectory: Trajectory,
+    /// Of the rows of an event only the last is kept.
+    right_limits: bool,
     printed: Vec<String>,
     looked: Instant,
     /// The exception that the handler of a signal has raised, such as `KeyboardInterrupt`.
@@ -253,6 +250,9 @@ impl Sink for Recording {
         self.trajectory.own_columns(times, values, stride);
     }
     fn end(&mut self) {
+        if self.right_limits {
+            self.trajectory.keep_right_limits();
+        }
         self.trajectory.end();
     }
     fn event(&mut self, event: Event) {
@@ -316,7 +316,8 @@ pub fn numbers(bytes: &[u8]) -> Vec<f64> {
     bytes.as_chunks::<8>().0.iter().map(|b| f64::from_ne_bytes(*b)).collect()
 }
 
-fn bytes<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyBytes> {
+/// The bytes of numbers in the order of the machine.
+pub fn bytes<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyBytes> {
     let all: Vec<u8> = values.iter().flat_map(|x| x.to_ne_bytes()).collect();
     PyBytes::new(py, &all)
 }

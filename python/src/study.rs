@@ -1,10 +1,11 @@
 //! Calibration and diagnosis with recordings in memory or in files.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use mocc::calibrate::elsewhere::{self, Elsewhere, Way};
 use mocc::calibrate::memory::{Memory, NumberTable};
 use mocc::calibrate::page;
 use mocc::calibrate::policy::FitPolicy;
@@ -16,9 +17,10 @@ use mocc::io::csv::TextTable;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyTuple};
 
-use crate::background::{Cancelled, Watch, spawn, wait};
-use crate::error::{Trouble, lost, warnings};
-use crate::run::numbers;
+use crate::background::{self, Cancelled, Watch, spawn, wait};
+use crate::error::{Kind, Trouble, lost, warnings};
+use crate::run::{bytes, numbers};
+use crate::sweep::{Folders, packed};
 use crate::values::Values;
 
 /// The name of a recording, and its columns with their numbers.
@@ -31,6 +33,8 @@ fn memory(
     model: Option<String>,
     table: Option<Strings>,
     recordings: Vec<Frame<'_>>,
+    folders: Folders<'_>,
+    way: Way,
 ) -> Arc<Memory> {
     let table = table.map(|(names, rows)| {
         let rows = rows.into_iter().enumerate().map(|(k, row)| (k as u64 + 1, row));
@@ -41,7 +45,156 @@ fn memory(
             columns.into_iter().map(|(name, values)| (name, numbers(values.as_bytes()))).unzip();
         (name, NumberTable { names, columns })
     });
-    Arc::new(Memory { plan, model, table, recordings: recordings.collect() })
+    let (recordings, packed) = (recordings.collect(), packed(folders));
+    Arc::new(Memory { plan, model, table, recordings, files: Vec::new(), packed, elsewhere: way })
+}
+
+/// Other processes, as a Python function has them: of a problem and its tasks, as bytes, it makes the answers, as bytes.
+struct Spread {
+    function: Py<PyAny>,
+    cancelled: Cancelled,
+    /// The exception that the function has raised.
+    raised: Mutex<Option<PyErr>>,
+}
+
+impl Spread {
+    fn new(function: Option<Py<PyAny>>, cancelled: &Cancelled) -> Option<Arc<Spread>> {
+        let (cancelled, raised) = (cancelled.clone(), Mutex::default());
+        function.map(|function| Arc::new(Spread { function, cancelled, raised }))
+    }
+
+    /// As a way to other processes.
+    fn way(this: &Option<Arc<Spread>>) -> Way {
+        Way(this.clone().map(|spread| spread as Arc<dyn Elsewhere>))
+    }
+
+    /// Raises what the function has raised.
+    fn check(this: &Option<Arc<Spread>>) -> PyResult<()> {
+        let raised = this.as_ref().and_then(|s| match s.raised.lock() {
+            Ok(mut raised) => raised.take(),
+            Err(_) => None,
+        });
+        raised.map_or(Ok(()), Err)
+    }
+}
+
+impl Elsewhere for Spread {
+    fn answers(
+        &self,
+        problem: &[u8],
+        tasks: Vec<Vec<u8>>,
+    ) -> Result<Vec<Option<Vec<f64>>>, String> {
+        const NONE: &str = "other processes do not answer";
+        if self.cancelled.is_set() {
+            return Err(NONE.to_owned());
+        }
+        let answers = Python::attach(|py| {
+            let tasks: Vec<_> = tasks.iter().map(|task| PyBytes::new(py, task)).collect();
+            let answers = self.function.call1(py, (PyBytes::new(py, problem), tasks))?;
+            let answers: Vec<Option<Bound<'_, PyBytes>>> = answers.extract(py)?;
+            Ok::<_, PyErr>(
+                answers.into_iter().map(|a| a.map(|bytes| numbers(bytes.as_bytes()))).collect(),
+            )
+        });
+        answers.map_err(|why| {
+            self.cancelled.set();
+            if let Ok(mut raised) = self.raised.lock() {
+                raised.get_or_insert(why);
+            }
+            NONE.to_owned()
+        })
+    }
+}
+
+/// Files by their paths.
+type Files<'py> = Vec<(PathBuf, Bound<'py, PyBytes>)>;
+
+fn with_files(memory: Arc<Memory>, files: Files<'_>) -> Arc<Memory> {
+    let files = files.into_iter().map(|(path, bytes)| (path, bytes.as_bytes().to_vec()));
+    Arc::new(Memory { files: files.collect(), ..Arc::unwrap_or_clone(memory) })
+}
+
+/// The files of a study: the model's, the folders of libraries, and tables and recordings that are not in memory.
+#[pyfunction]
+pub fn study_files(
+    py: Python<'_>,
+    plan: PathBuf,
+    plan_text: Option<String>,
+    model_text: Option<String>,
+    table: Option<Strings>,
+    recordings: Vec<Frame<'_>>,
+    folder: Option<PathBuf>,
+) -> PyResult<(PathBuf, Vec<PathBuf>, Vec<PathBuf>)> {
+    let memory = memory(plan_text, model_text, table, recordings, Vec::new(), Way::default());
+    let found = background::run(py, move |_| {
+        let mut session = Session { parameters_vary: true, ..Session::default() };
+        let found = calibration::inputs(&plan, folder.as_deref(), &memory, &mut session);
+        let (plan, data) = found.map_err(|error| Trouble::of_calibration(&error, &session))?;
+        let mut files: Vec<PathBuf> = data.recordings.iter().map(|r| r.path.clone()).collect();
+        if !plan.table.is_empty() {
+            files.push(plan.folder.join(&plan.table));
+        }
+        files.sort();
+        files.dedup();
+        files.retain(|path| path.is_file());
+        Ok((plan.model, plan.libraries, files))
+    })?;
+    found.map_err(|trouble: Trouble| trouble.raise(py))
+}
+
+/// A process that evaluates recordings for others.
+#[pyclass(frozen)]
+pub struct Worker(Arc<elsewhere::Worker>);
+
+#[pymethods]
+impl Worker {
+    #[new]
+    #[expect(clippy::too_many_arguments, reason = "all are named in the Python package")]
+    fn new(
+        py: Python<'_>,
+        plan: PathBuf,
+        plan_text: Option<String>,
+        model_text: Option<String>,
+        table: Option<Strings>,
+        recordings: Vec<Frame<'_>>,
+        folder: Option<PathBuf>,
+        effects: Option<PathBuf>,
+        folders: Folders<'_>,
+        files: Files<'_>,
+    ) -> PyResult<Worker> {
+        let memory = memory(plan_text, model_text, table, recordings, folders, Way::default());
+        let memory = with_files(memory, files);
+        let request = calibration::Request {
+            plan,
+            memory,
+            data: folder,
+            modelica_path: std::env::var_os("MODELICAPATH"),
+            profiles: false,
+            policy: FitPolicy::default(),
+        };
+        let made = background::run(py, move |_| {
+            let mut session = Session { parameters_vary: true, ..Session::default() };
+            let made = elsewhere::Worker::new(&request, effects, &mut session);
+            made.map_err(|error| Trouble::of_calibration(&error, &session))
+        })?;
+        made.map(|w| Worker(Arc::new(w))).map_err(|trouble: Trouble| trouble.raise(py))
+    }
+
+    /// The answers to tasks of a problem, as bytes; `None` for a recording that cannot be simulated.
+    fn answers<'py>(
+        &self,
+        py: Python<'py>,
+        problem: Vec<u8>,
+        tasks: Vec<Vec<u8>>,
+    ) -> PyResult<Vec<Option<Bound<'py, PyBytes>>>> {
+        let worker = Arc::clone(&self.0);
+        let found = background::run(py, move |_| {
+            let one = |task: &Vec<u8>| worker.answer(&problem, task);
+            tasks.iter().map(one).collect::<Result<Vec<_>, String>>()
+        })?;
+        let found = found.map_err(|why| Trouble::plain(Kind::Request, why).raise(py))?;
+        Ok(found.into_iter().map(|answer| answer.map(|all| bytes(py, &all))).collect())
+    }
 }
 
 /// A calibrated model, ready to compute residuals at other parameters.
@@ -126,23 +279,32 @@ pub fn calibrate(
     folder: Option<PathBuf>,
     profiles: bool,
     progress: Option<Py<PyAny>>,
+    folders: Folders<'_>,
+    files: Files<'_>,
+    spread: Option<Py<PyAny>>,
 ) -> PyResult<Calibration> {
+    let cancelled = Cancelled::default();
+    let spread = Spread::new(spread, &cancelled);
     let request = calibration::Request {
         plan,
-        memory: memory(plan_text, model_text, table, recordings),
+        memory: with_files(
+            memory(plan_text, model_text, table, recordings, folders, Spread::way(&spread)),
+            files,
+        ),
         data: folder,
         modelica_path: std::env::var_os("MODELICAPATH"),
         profiles,
         policy: FitPolicy::default(),
     };
-    let cancelled = Cancelled::default();
     let (notes, heard) = channel();
     let (answer, answers) = channel();
     let (questions, asked) = channel();
     let watch = Watch { cancelled: cancelled.clone(), deadline: None, notes };
     spawn(move || serve(&request, watch, questions, &asked, &answer))?;
     let progress = progress.as_ref().map(|function| (&heard, function));
-    wait(py, &answers, &cancelled, progress)?.map_err(|trouble| trouble.raise(py))
+    let found = wait(py, &answers, &cancelled, progress)?;
+    Spread::check(&spread)?;
+    found.map_err(|trouble| trouble.raise(py))
 }
 
 /// Calibrates, then answers questions until nobody can ask any more.
@@ -190,8 +352,9 @@ fn serve(
     if sent.is_err() {
         return;
     }
-    // Whoever listens to the progress need not wait for more.
+    // Whoever listens to the progress need not wait for more, nor other processes for questions.
     drop(watch);
+    problem.stay_here();
     for Question { values, is_jacobian, answer } in asked {
         let found = match is_jacobian {
             true => problem.jacobian(&values),
@@ -218,10 +381,13 @@ pub fn diagnose<'py>(
     effects: Option<PathBuf>,
     time_limit: Option<f64>,
     progress: Option<Py<PyAny>>,
+    spread: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyTuple>> {
+    let cancelled = Cancelled::default();
+    let spread = Spread::new(spread, &cancelled);
     let request = search::run::Request {
         plan,
-        memory: memory(plan_text, model_text, table, recordings),
+        memory: memory(plan_text, model_text, table, recordings, Vec::new(), Spread::way(&spread)),
         data: folder,
         effects,
         modelica_path: std::env::var_os("MODELICAPATH"),
@@ -231,7 +397,6 @@ pub fn diagnose<'py>(
     let started_at = Instant::now();
     // A limit beyond what the clock can count is none.
     let limit = time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
-    let cancelled = Cancelled::default();
     let (notes, heard) = channel();
     let (answer, answers) = channel();
     let watch = Watch {
@@ -260,5 +425,6 @@ pub fn diagnose<'py>(
     })?;
     let progress = progress.as_ref().map(|function| (&heard, function));
     let found = wait(py, &answers, &cancelled, progress)?;
+    Spread::check(&spread)?;
     found.map_err(|trouble| trouble.raise(py))?.into_pyobject(py)
 }

@@ -1,12 +1,14 @@
 //! Texts, tables and recordings that a front end holds in memory. Each takes the place of a file that the plan names.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
-use crate::io::csv::{ReadError, TextTable, read_text};
+use crate::driver::packed::Packed;
+use crate::io::csv::{ReadError, TextTable, read_text, table_of};
 
 use super::cause::RecordingCause;
+use super::elsewhere::Way;
 use super::plan::Plan;
 
 /// All of them; empty if everything is read from files.
@@ -20,6 +22,12 @@ pub struct Memory {
     pub table: Option<TextTable>,
     /// Recordings, by the names of the files that they take the place of.
     pub recordings: Vec<(String, NumberTable)>,
+    /// Tables of strings as the bytes of their files, by the paths of these.
+    pub files: Vec<(PathBuf, Vec<u8>)>,
+    /// Folders of libraries and effects.
+    pub packed: Packed,
+    /// Other processes that do the runs.
+    pub elsewhere: Way,
 }
 
 /// Columns of numbers; NaN where there is none.
@@ -46,7 +54,7 @@ impl Memory {
             return (PathBuf::from(file), Ok(Rows::Numbers(found)));
         }
         let path = plan.folder.join(file);
-        let read = read_text(&path).map(Rows::Text).map_err(|why| unreadable(&why, false));
+        let read = self.text(&path).map(Rows::Text).map_err(|why| unreadable(&why, false));
         (path, read)
     }
 
@@ -56,8 +64,16 @@ impl Memory {
             return (PathBuf::from(&plan.table), Ok(table.clone()));
         }
         let path = plan.folder.join(&plan.table);
-        let read = read_text(&path).map_err(|why| unreadable(&why, true));
+        let read = self.text(&path).map_err(|why| unreadable(&why, true));
         (path, read)
+    }
+
+    /// A table of strings, from memory or from a file.
+    fn text(&self, path: &Path) -> Result<TextTable, ReadError> {
+        match self.files.iter().find(|(known, _)| known == path) {
+            Some((_, bytes)) => table_of(path, bytes),
+            None => read_text(path),
+        }
     }
 }
 

@@ -9,6 +9,7 @@
 pub mod calibrated_model;
 pub mod cause;
 pub mod data;
+pub mod elsewhere;
 pub mod evaluate;
 pub mod fit;
 pub mod memory;

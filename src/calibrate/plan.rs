@@ -165,6 +165,7 @@ impl Plan {
             recorded: self.inputs.iter().map(|i| i.input.clone()).collect(),
             folders: self.libraries.clone(),
             modelica_path,
+            packed: self.memory.packed.clone(),
             ..Request::new(Some(self.model.clone()), self.name.clone())
         }
     }

@@ -4,6 +4,8 @@
 //! noise. Its derivatives are propagated with the run (`simulate::sensitivity`): they are exact, even across
 //! events. Where they do not exist, central differences take their place.
 
+use std::sync::Arc;
+
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::SourceMap;
 use crate::codegen::recording;
@@ -19,6 +21,7 @@ use crate::simulate::settings::Settings;
 
 use super::cause::PlanCause;
 use super::data::{Data, Recording, Split};
+use super::elsewhere::{self, Elsewhere, Wanted};
 use super::parallel;
 use super::parameter::{Parameter, input, parameter};
 use super::plan::{Plan, RECORDING_NUMBER};
@@ -98,6 +101,8 @@ pub struct Problem<'a> {
     pub stopped: bool,
     /// Threads.
     pub jobs: usize,
+    /// Other processes that evaluate recordings, and this problem as they know it.
+    elsewhere: Option<(Arc<dyn Elsewhere>, Arc<[u8]>)>,
 }
 
 /// Restricts the recorded variables of the program to those that the plan compares.
@@ -122,6 +127,23 @@ impl<'a> Problem<'a> {
         plan: &Plan,
         data: &'a Data,
         problems: &mut Problems,
+    ) -> Option<Self> {
+        let mut problem = Problem::with_execution(program, sources, plan, data, problems, None)?;
+        if let Some(other) = &plan.memory.elsewhere.0 {
+            let description = elsewhere::described(program, sources, plan, data);
+            problem.elsewhere = Some((Arc::clone(other), description));
+        }
+        Some(problem)
+    }
+
+    /// The same for runs in this process, by code that exists already.
+    pub fn with_execution(
+        program: &'a Program,
+        sources: &'a SourceMap,
+        plan: &Plan,
+        data: &'a Data,
+        problems: &mut Problems,
+        execution: Option<Execution>,
     ) -> Option<Self> {
         let before = problems.error_count();
         unit_check::check(program, plan, problems);
@@ -177,8 +199,12 @@ impl<'a> Problem<'a> {
             return None;
         }
         let mut settings = Settings::of(&program.blocks.dae.experiment);
-        // Thousands of runs: machine code pays.
-        settings.execution = Execution::translated(program);
+        // Thousands of runs: machine code pays, unless others do them.
+        settings.execution = match execution {
+            Some(execution) => execution,
+            None if plan.memory.elsewhere.0.is_some() => Execution::default(),
+            None => Execution::translated(program),
+        };
         let jobs = parallel::cores();
         Some(Problem {
             program,
@@ -194,7 +220,15 @@ impl<'a> Problem<'a> {
             trimmed: Vec::new(),
             stopped: false,
             jobs,
+            elsewhere: None,
         })
+    }
+
+    /// From now on evaluates all recordings in this process.
+    pub fn stay_here(&mut self) {
+        if self.elsewhere.take().is_some() {
+            self.settings.execution = Execution::translated(self.program);
+        }
     }
 
     /// The values of the parameters at `x`.
@@ -379,15 +413,12 @@ impl<'a> Problem<'a> {
 
     /// Sums of squares over the recordings of one kind; the first failure in their order.
     pub fn sums(&self, split: Split, x: &[f64]) -> Result<Sums, Failure> {
-        let recordings = self.recordings(split);
-        let all = parallel::map(self.jobs, recordings.len(), |i| self.residuals(recordings[i], x));
         let mut sums = Sums::default();
-        for residuals in all {
-            let residuals = residuals?;
-            let valid = |r: &Vec<f64>| r.iter().filter(|r| !r.is_nan()).count();
-            let square = |r: &Vec<f64>| r.iter().filter(|r| !r.is_nan()).map(|r| r * r).sum();
-            sums.counts.push(residuals.iter().map(valid).collect());
-            sums.squares.push(residuals.iter().map(square).collect());
+        for both in self.each(&self.recordings(split), x, Wanted::Squares) {
+            let both = both?;
+            let (counts, squares) = both.split_at(both.len() / 2);
+            sums.counts.push(counts.iter().map(|n| *n as usize).collect());
+            sums.squares.push(squares.to_vec());
         }
         Ok(sums)
     }
@@ -400,13 +431,77 @@ impl<'a> Problem<'a> {
 
     /// The sum of squares over the training recordings that are not trimmed.
     fn cost_of_fitted(&self, x: &[f64]) -> Result<f64, Failure> {
-        let recordings = self.fitted();
-        let all = parallel::map(self.jobs, recordings.len(), |i| self.residuals(recordings[i], x));
         let mut sum = 0.0;
-        for residuals in all {
-            sum += residuals?.iter().flatten().filter(|r| !r.is_nan()).map(|r| r * r).sum::<f64>();
+        for cost in self.each(&self.fitted(), x, Wanted::Cost) {
+            sum += cost?.iter().sum::<f64>();
         }
         Ok(sum)
+    }
+
+    /// Evaluates recordings, on all cores or elsewhere; the results in their order.
+    pub(super) fn each(
+        &self,
+        recordings: &[&Recording],
+        x: &[f64],
+        wanted: Wanted,
+    ) -> Vec<Result<Vec<f64>, Failure>> {
+        let here = |i: usize| self.evaluated(recordings[i], x, wanted);
+        let Some((elsewhere, description)) = &self.elsewhere else {
+            return parallel::map(self.jobs, recordings.len(), here);
+        };
+        let position =
+            |r: &&Recording| self.data.recordings.iter().position(|k| std::ptr::eq(k, *r));
+        let tasks: Option<Vec<Vec<u8>>> =
+            recordings.iter().map(|r| position(r).map(|k| elsewhere::task(k, wanted, x))).collect();
+        let Some(tasks) = tasks else {
+            return parallel::map(self.jobs, recordings.len(), here);
+        };
+        match elsewhere.answers(description, tasks) {
+            // Simulated again here, a recording that fails says why.
+            Ok(all) => {
+                let answer =
+                    |(i, found): (usize, Option<Vec<f64>>)| found.map_or_else(|| here(i), Ok);
+                all.into_iter().enumerate().map(answer).collect()
+            }
+            Err(why) => recordings.iter().map(|_| Err(Failure::settings(why.clone()))).collect(),
+        }
+    }
+
+    /// Evaluates a recording in this thread.
+    pub fn evaluated(
+        &self,
+        recording: &Recording,
+        x: &[f64],
+        wanted: Wanted,
+    ) -> Result<Vec<f64>, Failure> {
+        let valid = |r: &&f64| !r.is_nan();
+        match wanted {
+            Wanted::Squares => {
+                let residuals = self.residuals(recording, x)?;
+                let count = |r: &Vec<f64>| r.iter().filter(valid).count() as f64;
+                let square = |r: &Vec<f64>| r.iter().filter(valid).map(|r| r * r).sum();
+                Ok(residuals.iter().map(count).chain(residuals.iter().map(square)).collect())
+            }
+            Wanted::Cost => {
+                let residuals = self.residuals(recording, x)?;
+                Ok(vec![residuals.iter().flatten().filter(valid).map(|r| r * r).sum::<f64>()])
+            }
+            Wanted::Normal => {
+                let NormalEquations { gram, gradient, cost, .. } = self.normal_of(recording, x)?;
+                Ok([gram, gradient, vec![cost]].concat())
+            }
+            Wanted::Residuals => {
+                let residuals = self.residuals(recording, x)?;
+                let instants = 0..recording.time.len();
+                let at = |k: usize| residuals.iter().map(move |signal| signal[k]);
+                Ok(instants.flat_map(at).filter(|r| !r.is_nan()).collect())
+            }
+            Wanted::Slopes => {
+                let mut rows = Vec::new();
+                self.each_slope(recording, x, |_, slopes| rows.extend_from_slice(slopes))?;
+                Ok(rows)
+            }
+        }
     }
 
     /// The normal equations of the training recordings that are not trimmed.
@@ -424,10 +519,13 @@ impl<'a> Problem<'a> {
         recordings: &[&Recording],
         x: &[f64],
     ) -> Result<NormalEquations, Failure> {
-        let each = parallel::map(self.jobs, recordings.len(), |i| self.normal_of(recordings[i], x));
-        let mut sum = NormalEquations::new(self.parameters.len());
-        for normal in each {
-            sum.merge(&normal?);
+        let n = self.parameters.len();
+        let mut sum = NormalEquations::new(n);
+        for normal in self.each(recordings, x, Wanted::Normal) {
+            let all = normal?;
+            let (gram, rest) = all.split_at(n * n);
+            let (gradient, cost) = (rest[..n].to_vec(), rest[n]);
+            sum.merge(&NormalEquations { n, gram: gram.to_vec(), gradient, cost });
         }
         Ok(sum)
     }

@@ -4,7 +4,7 @@
 //! not measured have none.
 
 use super::data::Split;
-use super::parallel;
+use super::elsewhere::Wanted;
 use super::problem::Problem;
 use crate::simulate::failure::Failure;
 
@@ -13,17 +13,8 @@ impl Problem<'_> {
     /// simulated.
     pub fn residual_vector(&self, values: &[f64]) -> Result<Vec<f64>, Failure> {
         let x = self.places(values);
-        let recordings = self.recordings(Split::Train);
-        let of_run = |i: usize| self.residuals(recordings[i], &x);
-        let all = parallel::map(self.jobs, recordings.len(), of_run);
-        let mut out = Vec::with_capacity(self.count(Split::Train));
-        for (residuals, recording) in all.into_iter().zip(&recordings) {
-            let residuals = residuals?;
-            for k in 0..recording.time.len() {
-                out.extend(residuals.iter().map(|signal| signal[k]).filter(|r| !r.is_nan()));
-            }
-        }
-        Ok(out)
+        let all = self.each(&self.recordings(Split::Train), &x, Wanted::Residuals);
+        Ok(all.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
     }
 
     /// The derivatives of these residuals by the values of the free parameters, residual by residual, in 1 by the unit of
@@ -32,18 +23,12 @@ impl Problem<'_> {
         let x = self.places(values);
         let by_value: Vec<f64> =
             self.parameters.iter().zip(values).map(|(p, v)| 1.0 / p.scale.slope(*v)).collect();
-        let recordings = self.recordings(Split::Train);
-        let of_run = |i: usize| {
-            let mut rows = Vec::new();
-            self.each_slope(recordings[i], &x, |_, slopes| {
-                rows.extend(slopes.iter().zip(&by_value).map(|(slope, f)| slope * f));
-            })?;
-            Ok(rows)
-        };
-        let all: Vec<Result<Vec<f64>, Failure>> =
-            parallel::map(self.jobs, recordings.len(), of_run);
-        let all = all.into_iter().collect::<Result<Vec<_>, _>>()?;
-        Ok(all.concat())
+        let all = self.each(&self.recordings(Split::Train), &x, Wanted::Slopes);
+        let mut all = all.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
+        for row in all.chunks_exact_mut(by_value.len().max(1)) {
+            row.iter_mut().zip(&by_value).for_each(|(slope, factor)| *slope *= factor);
+        }
+        Ok(all)
     }
 
     /// The coordinates of the search of these values.

@@ -48,6 +48,10 @@ pub enum Command {
     Diagnose(Diagnose),
     /// Judge a model on recordings, without fitting it.
     Evaluate(Evaluate),
+    /// Find where a model comes to rest.
+    Steady(Steady),
+    /// Print the linear system of a model at an instant or at rest: A, B, C, D and eigenvalues.
+    Linearize(Linearize),
     /// Print how a model is solved: states, blocks, differentiated equations.
     Structure(Structure),
 }
@@ -149,6 +153,57 @@ pub struct Structure {
     /// Write the blocks and their dependencies as a Graphviz graph instead.
     #[arg(long, value_name = "PATH")]
     pub dot: Option<PathBuf>,
+}
+
+/// A model with constant inputs.
+#[derive(Args, Debug)]
+pub struct Point {
+    /// The model.
+    #[command(flatten)]
+    pub model: Model,
+    /// Hold an input at a value, SI; repeatable [default: its start value].
+    #[arg(long = "input", value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    pub inputs: Vec<String>,
+    /// Relative tolerance of the simulation up to the point [default: annotation, else 1e-6].
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    pub tolerance: Option<f64>,
+    /// Write the result as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// A steady state.
+#[derive(Args, Debug)]
+pub struct Steady {
+    /// The model and its inputs.
+    #[command(flatten)]
+    pub point: Point,
+    /// Solve the equations from the initial values instead of simulating; also finds unstable states.
+    #[arg(long)]
+    pub solve: bool,
+}
+
+/// A linear system.
+#[derive(Args, Debug)]
+pub struct Linearize {
+    /// The model and its inputs.
+    #[command(flatten)]
+    pub point: Point,
+    /// Instant of a run, s, or `steady`.
+    #[arg(long, value_name = "T|steady", default_value = "0", allow_negative_numbers = true, value_parser = at)]
+    pub at: At,
+    /// A variable that is an output; repeatable [default: the outputs of the model].
+    #[arg(long = "output", value_name = "NAME")]
+    pub outputs: Vec<String>,
+}
+
+/// Where a model is linearized.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum At {
+    /// At an instant of a run, s.
+    Time(f64),
+    /// Where it comes to rest.
+    Steady,
 }
 
 /// A run.
@@ -298,6 +353,15 @@ pub struct Sweep {
     /// Start again and replace existing results.
     #[arg(long, visible_alias = "force")]
     pub restart: bool,
+    /// Do only part I of N, from 1: other processes do the others.
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["gather", "cluster"])]
+    pub shard: Option<String>,
+    /// Write the table from all shards.
+    #[arg(long, conflicts_with = "cluster")]
+    pub gather: bool,
+    /// Let the workers of a Dask cluster do the runs; for the Python package.
+    #[arg(long, value_name = "tcp://HOST:PORT")]
+    pub cluster: Option<String>,
     /// Simulation options.
     #[command(flatten)]
     pub running: Running,
@@ -466,6 +530,15 @@ fn ends(text: &str) -> Result<(f64, f64), String> {
     let number = |part: &str| part.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     let ends = text.split_once(':').and_then(|(from, to)| Some((number(from)?, number(to)?)));
     ends.filter(|(from, to)| from < to).ok_or_else(|| "write FROM:TO, two numbers".to_owned())
+}
+
+/// `steady`, or an instant.
+fn at(text: &str) -> Result<At, String> {
+    if text.trim() == "steady" {
+        return Ok(At::Steady);
+    }
+    let time = text.trim().parse::<f64>().ok().filter(|t| t.is_finite());
+    time.map(At::Time).ok_or_else(|| "write a time in s, or `steady`".to_owned())
 }
 
 /// A time in s that is not negative.

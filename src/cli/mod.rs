@@ -18,6 +18,8 @@ pub mod evaluate;
 pub mod explain;
 pub mod format;
 pub mod interrupt;
+pub mod linear_text;
+pub mod linearize;
 pub mod plot;
 pub mod progress;
 pub mod report;
@@ -122,6 +124,8 @@ fn carry_out(command: args::Command) -> Status {
         args::Command::Calibrate(options) => calibrate::run(&options),
         args::Command::Diagnose(options) => diagnose::run(&options),
         args::Command::Evaluate(options) => evaluate::run(&options),
+        args::Command::Steady(options) => linearize::steady(&options),
+        args::Command::Linearize(options) => linearize::run(&options),
         args::Command::Plot(options) => plot::run(&options),
         args::Command::Sweep(options) => sweep::run(&options),
         args::Command::Check(options) => check::run(&options),

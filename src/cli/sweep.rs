@@ -1,5 +1,6 @@
 //! `mocc sweep`: runs a model many times, and writes a table with a row per run.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -9,94 +10,216 @@ use super::progress::Progress;
 use super::running::{self, names_in};
 use super::{Status, interrupt, print, say};
 use crate::driver::compile::Session;
+use crate::driver::packed::Packed;
 use crate::io::atomic_file::create_folder;
 use crate::io::format::Format;
-use crate::io::journal::{Fingerprint, Found, Journal, exists, remove};
+use crate::io::journal::{Found, Journal, exists, remove, shard, shards};
+use crate::ir::flat::Experiment;
+use crate::runtime::host::arithmetic;
 use crate::simulate::settings::Settings;
 use crate::sweep::design::{Design, sample};
 use crate::sweep::error::SweepError;
 use crate::sweep::pool::cores;
+use crate::sweep::prepared::Prepared;
 use crate::sweep::runs::{Sweep, Tally};
-use crate::sweep::variant::{Keep, Model, Variants};
+use crate::sweep::shard::Shard;
+use crate::sweep::variant::{Keep, Model};
 use crate::sweep::vary::Axis;
 
 /// Runs the command.
 pub fn run(options: &Options) -> Status {
-    match sweep(options) {
-        Ok(status) => status,
-        Err(why) => {
-            eprintln!("error: {why}");
-            Status::Usage
-        }
+    if options.cluster.is_some() {
+        eprintln!(
+            "error: `--cluster` needs the Python package: install it with `pip install \"mocc[cluster]\"`, and run its command `mocc`"
+        );
+        return Status::Usage;
     }
+    let ended = Command::prepare(options, None, &Packed::default()).and_then(|command| {
+        let ended = match options.gather {
+            true => command.gather(),
+            false => command.run(),
+        };
+        ended.map_err(|why| refused(&why))
+    });
+    ended.unwrap_or_else(|status| status)
 }
 
-fn sweep(options: &Options) -> Result<Status, SweepError> {
-    let design = design(options)?;
-    let files = Files::of(options)?;
-    let model = Model {
-        request: running::request(&options.model, &options.running),
-        measures: options.measures.clone(),
-        keep: files.traces.is_some().then(|| keep(options)),
-    };
-    let mut session = Session { parameters_vary: true, ..Session::default() };
-    let base = model.compile(&[], &mut session);
-    say(&session);
-    let mut base = match base {
-        Ok(base) => base,
-        Err(error) => return Ok(error.into()),
-    };
-    if files.traces.is_some() && base.plan.shown == 0 {
-        eprintln!("error: no variable has a name that `--show` or `--variables` selects");
-        return Ok(Status::Usage);
-    }
-    let settings = settings(options, &base.program.blocks.dae.experiment, files.traces.is_some());
-    let fingerprint = fingerprint(options, &session);
-    let measures = base.plan.columns.clone();
-    let name = base.program.blocks.dae.name.clone();
-    base.sources = std::mem::take(&mut session.sources);
-    let variants = Variants::new(model, base, &design.axes, design.count);
-    // An error in every run, such as an unknown parameter, is an error in the request.
-    let mut session = Session { parameters_vary: true, ..Session::default() };
-    if let Err(error) = variants.check(&design.values(0), &mut session) {
-        say(&session);
-        return Ok(error.into());
-    }
-    let jobs = options.jobs.unwrap_or_else(cores).max(1);
-    let sweep = Sweep {
-        design: &design,
-        variants: &variants,
-        settings,
-        traces: files.traces.clone(),
-        measures,
-        jobs,
-    };
+fn refused(why: &SweepError) -> Status {
+    eprintln!("error: {why}");
+    Status::Usage
+}
 
-    let mut journal = files.journal(options.restart, fingerprint)?;
-    let before = journal.lines;
-    interrupt::listen();
-    let started_at = Instant::now();
-    let progress = Progress::of_runs(before, design.count);
-    let on_progress = |done| progress.iter().for_each(|p| p.reached(done as f64));
-    let complete = sweep.run(&mut journal, &interrupt::is_requested, on_progress)?;
-    drop(progress);
-    let seconds = started_at.elapsed().as_secs_f64();
-    if !complete {
-        let text = format!(
-            "{name}: interrupted after {} of {} runs; the same command resumes from there\n",
-            journal.lines, design.count
-        );
-        return Ok(match print(&text) {
-            Status::Done => Status::Interrupted,
-            status => status,
-        });
+/// The command, ready to run: here, or anywhere else by parts.
+pub struct Command {
+    /// The sweep.
+    pub prepared: Prepared,
+    files: Files,
+    shard: Shard,
+    jobs: usize,
+    restart: bool,
+}
+
+impl Command {
+    /// Reads the options and compiles the model, whose file may be in memory, and the folders of libraries too. What is
+    /// wrong is on the standard error.
+    pub fn prepare(
+        options: &Options,
+        text: Option<String>,
+        packed: &Packed,
+    ) -> Result<Command, Status> {
+        let refuse = |why: SweepError| refused(&why);
+        let design = design(options).map_err(refuse)?;
+        let files = Files::of(options).map_err(refuse)?;
+        let shard = options.shard.as_deref().map_or(Ok(Shard::WHOLE), Shard::read);
+        let mut request = running::request(&options.model, &options.running);
+        request.text = text;
+        request.packed = packed.clone();
+        let keeps = files.traces.is_some();
+        let model = Model {
+            request,
+            measures: options.measures.clone(),
+            keep: keeps.then(|| keep(options)),
+        };
+        let mut session = Session { parameters_vary: true, ..Session::default() };
+        let settings = |experiment: &Experiment| settings(options, experiment, keeps);
+        let what = describe(options);
+        let prepared = Prepared::new(model, design, settings, &what, say, &mut session);
+        let prepared = prepared.map_err(|error| {
+            say(&session);
+            Status::from(error)
+        })?;
+        if keeps && prepared.shown == 0 {
+            eprintln!("error: no variable has a name that `--show` or `--variables` selects");
+            return Err(Status::Usage);
+        }
+        Ok(Command {
+            prepared,
+            files,
+            shard: shard.map_err(refuse)?,
+            jobs: options.jobs.unwrap_or_else(cores).max(1),
+            restart: options.restart,
+        })
     }
-    let tally = sweep.write(&mut journal, &files.table)?;
-    journal.remove()?;
-    let done = tally.runs - before;
-    let text = summary(&name, &tally, done, seconds, jobs, &files);
-    let status = print(&text);
-    Ok(if tally.failed == tally.runs { Status::Numerics } else { status })
+
+    fn run(&self) -> Result<Status, SweepError> {
+        let sweep = self.sweep();
+        let mut journal = self.journal()?;
+        let (runs, before) = (self.runs(), journal.lines);
+        let count = runs.end - runs.start;
+        interrupt::listen();
+        let started_at = Instant::now();
+        let progress = Progress::of_runs(before, count);
+        let on_progress = |done| progress.iter().for_each(|p| p.reached(done as f64));
+        let complete = sweep.run(runs, &mut journal, &interrupt::is_requested, on_progress)?;
+        drop(progress);
+        let seconds = started_at.elapsed().as_secs_f64();
+        let name = &self.prepared.name;
+        if !complete {
+            let text = format!(
+                "{name}: interrupted after {} of {count} runs; the same command resumes from there\n",
+                journal.lines
+            );
+            return Ok(match print(&text) {
+                Status::Done => Status::Interrupted,
+                status => status,
+            });
+        }
+        let rate = rate(count - before, seconds, self.jobs);
+        if self.shard != Shard::WHOLE {
+            let Shard { number, of } = self.shard;
+            let text = format!(
+                "{name}: shard {number} of {of} is complete, {}\n  {rate}\n  `--gather` in place of `--shard` writes the table from all shards\n",
+                runs_text(count)
+            );
+            return Ok(print(&text));
+        }
+        self.write(vec![journal], &rate)
+    }
+
+    /// Writes the table from the journals of shards.
+    fn gather(&self) -> Result<Status, SweepError> {
+        let found = shards(&self.files.journal);
+        let Some(&(_, of, _)) = found.first() else {
+            let pattern = shard(&self.files.journal, 1, 4).display().to_string();
+            return Err(SweepError::NoShards { pattern });
+        };
+        if let Some(&(_, second, _)) = found.iter().find(|(_, n, _)| *n != of) {
+            return Err(SweepError::TwoDesigns { first: of, second });
+        }
+        let (mut journals, mut missing) = (Vec::new(), Vec::new());
+        for number in 1..=of {
+            let runs = Shard { number, of }.runs(self.prepared.design.count);
+            let count = runs.end - runs.start;
+            let path = found.iter().find(|(k, ..)| *k == number).map(|(.., path)| path);
+            let journal = path.map(|path| self.open(path)).transpose()?;
+            let lines = journal.as_ref().map_or(0, |journal| journal.lines);
+            match journal.filter(|_| lines == count) {
+                Some(journal) => journals.push(journal),
+                None => missing.push(format!("{number}/{of} has {lines} of {}", runs_text(count))),
+            }
+        }
+        if !missing.is_empty() {
+            return Err(SweepError::Incomplete { missing: missing.join(", ") });
+        }
+        self.write(journals, &format!("gathered from {of} shards"))
+    }
+
+    /// Writes the table, removes the journals, and says how it went.
+    fn write(&self, mut journals: Vec<Journal>, how: &str) -> Result<Status, SweepError> {
+        let tally = self.sweep().write(&mut journals, &self.files.table)?;
+        for journal in journals {
+            journal.remove()?;
+        }
+        let status = print(&summary(&self.prepared.name, &tally, how, &self.files));
+        Ok(if tally.failed == tally.runs { Status::Numerics } else { status })
+    }
+
+    /// Writes the table from the journal of the whole sweep, computed elsewhere in this time, s, and this way.
+    pub fn finish(&self, journal: Journal, done: u64, seconds: f64, how: &str) -> Status {
+        let rate = format!("{} in {seconds:.2} s {how}", runs_text(done));
+        self.write(vec![journal], &rate).unwrap_or_else(|why| refused(&why))
+    }
+
+    /// The trajectories of runs are written to files.
+    pub fn keeps_trajectories(&self) -> bool {
+        self.files.traces.is_some()
+    }
+
+    /// The runs of this process.
+    fn runs(&self) -> Range<u64> {
+        self.shard.runs(self.prepared.design.count)
+    }
+
+    fn sweep(&self) -> Sweep<'_> {
+        Sweep { traces: self.files.traces.clone(), ..self.prepared.sweep(self.jobs) }
+    }
+
+    /// The journal to go on with; makes the folders.
+    pub fn journal(&self) -> Result<Journal, SweepError> {
+        let files = &self.files;
+        let path = match self.shard {
+            Shard::WHOLE => files.journal.clone(),
+            Shard { number, of } => shard(&files.journal, number, of),
+        };
+        if let Some(folder) = files.traces.as_deref().or(files.folder.as_deref()) {
+            create_folder(folder)?;
+        }
+        if self.restart {
+            remove(&path)?;
+        } else if exists(&files.table) && !exists(&path) {
+            return Err(SweepError::Finished { output: files.table.display().to_string() });
+        }
+        self.open(&path)
+    }
+
+    fn open(&self, path: &Path) -> Result<Journal, SweepError> {
+        let journal = path.display().to_string();
+        match Journal::open(path, self.prepared.fingerprint.0, arithmetic())? {
+            Found::Ours(journal) => Ok(journal),
+            Found::Other => Err(SweepError::Other { journal }),
+            Found::Foreign => Err(SweepError::Foreign { journal }),
+        }
+    }
 }
 
 fn design(options: &Options) -> Result<Design, SweepError> {
@@ -108,7 +231,7 @@ fn design(options: &Options) -> Result<Design, SweepError> {
 }
 
 /// Settings of all runs. If no trajectory is kept, there are rows at events only.
-fn settings(options: &Options, experiment: &crate::ir::flat::Experiment, traces: bool) -> Settings {
+fn settings(options: &Options, experiment: &Experiment, traces: bool) -> Settings {
     let settings = running::settings(&options.running, experiment);
     if traces { settings } else { settings.without_grid() }
 }
@@ -127,15 +250,10 @@ fn keep(options: &Options) -> Keep {
     })
 }
 
-/// Everything that the rows depend on.
-fn fingerprint(options: &Options, session: &Session) -> Fingerprint {
-    let mut all = Fingerprint::default();
-    all.add(env!("CARGO_PKG_VERSION"));
-    for text in session.sources.contents() {
-        all.add(text);
-    }
+/// The options that the rows depend on.
+fn describe(options: &Options) -> String {
     let pattern = options.running.variables.as_ref().map(|p| p.as_str().to_owned());
-    let text = format!(
+    format!(
         "{:?}",
         (
             (
@@ -155,9 +273,7 @@ fn fingerprint(options: &Options, session: &Session) -> Fingerprint {
             ),
             (options.traces, &options.show, pattern),
         )
-    );
-    all.add(&text);
-    all
+    )
 }
 
 /// The files of a sweep.
@@ -195,40 +311,24 @@ impl Files {
             traces: wanted.then(|| output.join("runs")),
         })
     }
-
-    /// The journal to go on with; makes the folders.
-    fn journal(&self, restart: bool, fingerprint: Fingerprint) -> Result<Journal, SweepError> {
-        if let Some(folder) = self.traces.as_deref().or(self.folder.as_deref()) {
-            create_folder(folder)?;
-        }
-        if restart {
-            remove(&self.journal)?;
-        } else if exists(&self.table) && !exists(&self.journal) {
-            return Err(SweepError::Finished { output: self.table.display().to_string() });
-        }
-        match Journal::open(&self.journal, fingerprint.0)? {
-            Found::Ours(journal) => Ok(journal),
-            Found::Other => Err(SweepError::Other { journal: self.journal.display().to_string() }),
-        }
-    }
 }
 
-fn summary(
-    name: &str,
-    tally: &Tally,
-    done: u64,
-    seconds: f64,
-    jobs: usize,
-    files: &Files,
-) -> String {
-    let runs = |n: u64| if n == 1 { "1 run".to_owned() } else { format!("{n} runs") };
-    let mut out = format!("{name}: {}, {} failed\n", runs(tally.runs), tally.failed);
+fn runs_text(n: u64) -> String {
+    if n == 1 { "1 run".to_owned() } else { format!("{n} runs") }
+}
+
+fn rate(done: u64, seconds: f64, jobs: usize) -> String {
+    let threads = if jobs == 1 { "1 thread".to_owned() } else { format!("{jobs} threads") };
+    let rate = done as f64 / seconds.max(1e-9);
+    format!("{} in {seconds:.2} s on {threads}, {rate:.0} a second", runs_text(done))
+}
+
+fn summary(name: &str, tally: &Tally, how: &str, files: &Files) -> String {
+    let mut out = format!("{name}: {}, {} failed\n", runs_text(tally.runs), tally.failed);
     if let Some((number, why)) = &tally.first {
         out.push_str(&format!("  first failure: run {number}: {why}\n"));
     }
-    let threads = if jobs == 1 { "1 thread".to_owned() } else { format!("{jobs} threads") };
-    let rate = done as f64 / seconds.max(1e-9);
-    out.push_str(&format!("  {} in {seconds:.2} s on {threads}, {rate:.0} a second\n", runs(done)));
+    out.push_str(&format!("  {how}\n"));
     let shown = |p: &Path| p.display().to_string();
     let traces = files.traces.as_ref().map_or(String::new(), |t| format!(", {}", shown(t)));
     out.push_str(&format!("  wrote {}{traces}\n", shown(&files.table)));

@@ -34,6 +34,7 @@ use crate::structure::error::StructureCause;
 use crate::verify;
 
 use super::cause::RequestCause;
+use super::packed::Packed;
 
 /// A class with an annotation `__mocc`.
 #[derive(Clone, Debug)]
@@ -87,6 +88,8 @@ pub struct Request {
     pub readable: Vec<PathBuf>,
     /// The value of `MODELICAPATH`.
     pub modelica_path: Option<std::ffi::OsString>,
+    /// Those of `folders` that are in memory.
+    pub packed: Packed,
 }
 
 /// Why a request has no result. The diagnostics of the session hold the details.
@@ -105,6 +108,15 @@ impl Request {
     pub fn new(file: Option<PathBuf>, model: Option<String>) -> Request {
         Request { file, model, ..Request::default() }
     }
+}
+
+/// The connections of a model to its surroundings: Real variables at its top level.
+#[derive(Clone, Debug, Default)]
+pub struct Ports {
+    /// Names of the inputs without a value.
+    pub inputs: Vec<String>,
+    /// Names of the outputs.
+    pub outputs: Vec<String>,
 }
 
 /// Sources and the diagnostics about them.
@@ -295,6 +307,25 @@ impl Session {
         self.compile_flat(flat, request.form)
     }
 
+    /// The program of a request, all of whose top-level inputs are driven, and the names of its inputs and outputs.
+    pub fn compile_with_ports(
+        &mut self,
+        request: &Request,
+    ) -> Result<(Program, Ports), CompileError> {
+        let mut flat = self.flatten(request)?;
+        let is_real = |v: &Variable| v.ty == Type::Real && v.variability == Variability::Continuous;
+        let of = |causality: Causality| {
+            let all =
+                flat.variables.iter().filter(move |v| is_real(v) && v.causality == Some(causality));
+            all.map(|v| (v.name.clone(), v.binding.is_none()))
+        };
+        let inputs = of(Causality::Input).filter(|(_, is_free)| *is_free).map(|(name, _)| name);
+        let outputs = of(Causality::Output).map(|(name, _)| name);
+        let ports = Ports { inputs: inputs.collect(), outputs: outputs.collect() };
+        self.drive(&mut flat, &ports.inputs)?;
+        Ok((self.compile_flat(flat, request.form)?, ports))
+    }
+
     /// Marks the inputs that recordings drive; each must exist and have no value of its own.
     pub fn drive(&mut self, flat: &mut FlatModel, inputs: &[String]) -> Result<(), CompileError> {
         for input in inputs {
@@ -396,7 +427,9 @@ impl Session {
         request: &Request,
         library: &mut Library,
     ) -> Result<Option<Arc<ast::File>>, CompileError> {
-        if let Some(folder) = request.folders.iter().find(|folder| !folder.is_dir()) {
+        if let Some(folder) =
+            request.folders.iter().find(|f| request.packed.folder(f).is_none() && !f.is_dir())
+        {
             let folder = folder.display().to_string();
             self.problems.push(Diagnostic::new(RequestCause::NoSuchFolder { folder }, Span::NONE));
             return Err(CompileError::Request);

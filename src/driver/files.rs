@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
 
+use super::compile::Request;
 use crate::ir::ast;
 use crate::resolve::library::Folder;
 use crate::resolve::version::of_entry;
@@ -228,7 +229,8 @@ pub fn home(file: &Path, within: Option<&ast::Path>) -> Option<Home> {
     Some(Home { root: Box::new(OnDisk(shown.unwrap_or(root).to_path_buf())), package })
 }
 
-/// Folders to search: those named, then those of `MODELICAPATH`, then the shipped library.
+/// Folders to search: those that a request names, in memory or on disk, then those of `MODELICAPATH`, then the shipped
+/// library.
 pub fn folders(request: &Request) -> Vec<Box<dyn Folder>> {
     let folder_of = |file: &PathBuf| {
         let parent = file.parent().filter(|p| !p.as_os_str().is_empty());
@@ -238,9 +240,12 @@ pub fn folders(request: &Request) -> Vec<Box<dyn Folder>> {
     let mut all: Vec<Box<dyn Folder>> =
         vec![Box::new(AsNamed { own, allowed: request.readable.clone() })];
     for path in &request.folders {
-        all.push(Box::new(OnDisk(path.clone())));
+        match request.packed.folder(path) {
+            Some(packed) => all.push(Box::new(packed)),
+            None => all.push(Box::new(OnDisk(path.clone()))),
+        }
     }
-    for path in request.modelica_path.iter().flat_map(std::env::split_paths) {
+    for path in request.modelica_path.as_deref().into_iter().flat_map(std::env::split_paths) {
         if !path.as_os_str().is_empty() {
             all.push(Box::new(OnDisk(path)));
         }

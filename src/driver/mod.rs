@@ -4,4 +4,5 @@ pub mod check;
 pub mod compile;
 pub mod files;
 pub mod memory;
+pub mod packed;
 pub mod replacements;

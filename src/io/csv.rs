@@ -337,9 +337,14 @@ impl TextTable {
 /// Fields are separated by commas, or by semicolons or tabs if the header has no comma.
 pub fn read_text(path: impl AsRef<Path>) -> Result<TextTable, ReadError> {
     let path = path.as_ref();
+    let open = |source| ReadError::Open { path: path.to_path_buf(), source };
+    table_of(path, &std::fs::read(path).map_err(open)?)
+}
+
+/// The same of the bytes of a file, which `path` names in messages.
+pub fn table_of(path: &Path, bytes: &[u8]) -> Result<TextTable, ReadError> {
     let at = || path.to_path_buf();
-    let bytes = std::fs::read(path).map_err(|source| ReadError::Open { path: at(), source })?;
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)

@@ -1,7 +1,8 @@
 //! Journals: files with the results of a long task, line by line, so that an interrupted task can
 //! be resumed.
 //!
-//! The first line identifies the task by a fingerprint. A line that was truncated because the
+//! The first line identifies the task by a fingerprint, and the arithmetic of the machine by another
+//! one: results of machines that round differently are not mixed. A line that was truncated because the
 //! process was killed is dropped. The file is locked while a process uses it.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -11,7 +12,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// Start of the first line.
-const HEAD: &str = "mocc journal 1 ";
+const HEAD: &str = "mocc journal 2 ";
 
 /// Why a journal cannot be used.
 #[derive(Error, Debug)]
@@ -48,11 +49,13 @@ pub enum Found {
     Ours(Journal),
     /// The journal of another task.
     Other,
+    /// The journal of this task, from a machine whose arithmetic rounds differently.
+    Foreign,
 }
 
 impl Journal {
-    /// Opens or creates the journal of the task with this fingerprint.
-    pub fn open(path: &Path, fingerprint: u64) -> Result<Found, JournalError> {
+    /// Opens or creates the journal of the task with this fingerprint, on a machine with this arithmetic.
+    pub fn open(path: &Path, fingerprint: u64, arithmetic: u64) -> Result<Found, JournalError> {
         let failed = |source| JournalError::File { path: path.to_path_buf(), source };
         let options =
             OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
@@ -64,14 +67,16 @@ impl Journal {
             // Continue without a lock if the file system does not support it.
             Ok(()) | Err(TryLockError::Error(_)) => {}
         }
-        let head = format!("{HEAD}{fingerprint:016x}\n");
+        let task = format!("{HEAD}{fingerprint:016x} ");
+        let head = format!("{task}{arithmetic:016x}\n");
         let mut reader = BufReader::new(&file);
         let mut line = Vec::new();
         let mut whole = 0;
         let mut lines = 0;
         while reader.read_until(b'\n', &mut line).map_err(failed)? > 0 && line.ends_with(b"\n") {
             if whole == 0 && line != head.as_bytes() {
-                return Ok(Found::Other);
+                let is_ours = line.starts_with(task.as_bytes());
+                return Ok(if is_ours { Found::Foreign } else { Found::Other });
             }
             lines += u64::from(whole > 0);
             whole += line.len() as u64;
@@ -127,6 +132,30 @@ pub fn remove(path: &Path) -> Result<(), JournalError> {
     }
 }
 
+/// The journals of shards: the files `NAME.K-of-N.journal` for a journal `NAME.journal`, each with K and N, by N, then K.
+pub fn shards(journal: &Path) -> Vec<(u64, u64, PathBuf)> {
+    let folder = journal.parent().filter(|f| !f.as_os_str().is_empty());
+    let Some(stem) = journal.file_stem().map(|s| s.to_string_lossy().into_owned()) else {
+        return Vec::new();
+    };
+    let Ok(list) = fs::read_dir(folder.unwrap_or(Path::new("."))) else { return Vec::new() };
+    let shard = |entry: fs::DirEntry| {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let part = name.strip_prefix(&stem)?.strip_prefix('.')?.strip_suffix(".journal")?;
+        let (k, n) = part.split_once("-of-")?;
+        Some((k.parse().ok()?, n.parse().ok()?, journal.with_file_name(&name)))
+    };
+    let mut all: Vec<(u64, u64, PathBuf)> = list.flatten().filter_map(shard).collect();
+    all.sort_by_key(|(k, n, _)| (*n, *k));
+    all
+}
+
+/// The journal of a shard, see [`shards`].
+pub fn shard(journal: &Path, k: u64, n: u64) -> PathBuf {
+    let stem = journal.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    journal.with_file_name(format!("{stem}.{k}-of-{n}.journal"))
+}
+
 /// True if a file or folder with this name exists.
 pub fn exists(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok()
@@ -158,9 +187,9 @@ mod tests {
     use crate::io::atomic_file::tests::Scratch;
 
     fn ours(path: &Path, fingerprint: u64) -> Journal {
-        match Journal::open(path, fingerprint).unwrap() {
+        match Journal::open(path, fingerprint, 3).unwrap() {
             Found::Ours(journal) => journal,
-            Found::Other => panic!("another journal"),
+            found => panic!("{found:?}"),
         }
     }
 
@@ -186,7 +215,7 @@ mod tests {
             })
             .unwrap();
         assert_eq!(lines, ["one", "two", "three"]);
-        assert!(matches!(Journal::open(&path, 7), Err(JournalError::InUse { .. })));
+        assert!(matches!(Journal::open(&path, 7, 3), Err(JournalError::InUse { .. })));
         journal.remove().unwrap();
         assert_eq!(dir.files(), [""; 0]);
     }
@@ -195,10 +224,24 @@ mod tests {
     fn another_task_is_recognized() {
         let dir = Scratch::new("other");
         drop(ours(&dir.path("work"), 7));
-        assert!(matches!(Journal::open(&dir.path("work"), 8), Ok(Found::Other)));
+        assert!(matches!(Journal::open(&dir.path("work"), 8, 3), Ok(Found::Other)));
+        assert!(matches!(Journal::open(&dir.path("work"), 7, 4), Ok(Found::Foreign)));
         // Left over from a process that was killed before the first line was complete.
         fs::write(dir.path("cut"), "mocc jour").unwrap();
         assert_eq!(ours(&dir.path("cut"), 8).lines, 0);
+    }
+
+    #[test]
+    fn shards_are_found_by_their_names() {
+        let dir = Scratch::new("shards");
+        let whole = dir.path("sweep.journal");
+        for (k, n) in [(2, 3), (1, 3), (10, 12)] {
+            fs::write(shard(&whole, k, n), "").unwrap();
+        }
+        fs::write(dir.path("sweep.x-of-3.journal"), "").unwrap();
+        fs::write(&whole, "").unwrap();
+        let found: Vec<_> = shards(&whole).into_iter().map(|(k, n, _)| (k, n)).collect();
+        assert_eq!(found, [(1, 3), (2, 3), (10, 12)]);
     }
 
     /// The published value for the empty string.

@@ -18,3 +18,4 @@ pub mod parquet;
 pub mod printout;
 pub mod records;
 pub mod results;
+pub mod wire;

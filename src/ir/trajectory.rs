@@ -230,12 +230,22 @@ impl Trajectory {
             }
         }
     }
-    /// Keeps one row of each instant, the last: at an event the right limit. Times then increase strictly.
+    /// Keeps one row of each instant, the last: at an event the right limit. Times then increase strictly. Before
+    /// [`Trajectory::complete`] this costs least: only the columns with rows of their own are shortened.
     pub fn keep_right_limits(&mut self) {
         let is_left = |pair: &[f64]| pair[0] == pair[1];
         let left = self.time.windows(2).enumerate().filter(|(_, pair)| is_left(pair));
         let left: Vec<usize> = left.map(|(row, _)| row).collect();
         if left.is_empty() {
+            return;
+        }
+        if !self.column_storage.is_empty() {
+            for (column, storage) in self.data.iter_mut().zip(&self.column_storage) {
+                if *storage == ColumnStorage::Own {
+                    remove_rows(Arc::make_mut(column), &left);
+                }
+            }
+            remove_rows(&mut self.time, &left);
             return;
         }
         // Columns that share a vector go on sharing it. Only its first holder keeps it meanwhile, so that it is changed

@@ -13,6 +13,7 @@ pub mod coloring;
 pub mod combinations;
 pub mod cycle_detection;
 pub mod eigen;
+pub mod eigenvalues;
 pub mod halton;
 pub mod hermite;
 pub mod least_squares;

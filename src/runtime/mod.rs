@@ -7,6 +7,7 @@
 
 pub mod delay;
 pub mod frame;
+pub mod host;
 pub mod input_signals;
 pub mod jit;
 pub mod machine;

@@ -110,6 +110,18 @@ causes! {
             => ("`{relation}` changes faster than the steps: it may have been true or false for moments \
                  that no step saw"),
             help("shorten the steps with `--max-step`, to less than the shortest of these moments");
+        /// A model does not come to rest.
+        error MO0937 NotSettled { time: f64, state: String }
+            => ("the model does not come to rest: at time {time} s {} still moves", named(state)),
+            help("damp what oscillates, hold what drifts, or search a steady state from the initial \
+                  values with `--solve`");
+        /// No state near the initial values has derivatives of zero.
+        error MO0938 NoSteadyState { time: f64, state: String }
+            => ("no steady state is found near the initial values: {} does not come to rest", named(state)),
+            help("give start values nearer to it, or let the model settle without `--solve`");
+        /// A model has no linear system at a point.
+        error MO0939 NotLinear { time: f64, why: &'static str }
+            => ("the model cannot be linearized at time {time} s: {why}");
         /// An invariant of mocc is violated.
         error MO0999 Bug { what: String }
             => ("{what}"), help("this is a bug in mocc, please report it with the model");
@@ -215,6 +227,11 @@ impl NonFinite {
             Given { .. } | Unnamed(_) => None,
         }
     }
+}
+
+/// A state, or the whole model.
+fn named(state: &str) -> String {
+    if state.is_empty() { "the model".to_owned() } else { format!("`{state}`") }
 }
 
 fn to_follow(state: &Option<String>) -> String {

@@ -170,6 +170,24 @@ fn run_to(
     Ok(statistics)
 }
 
+/// Runs a program to its end; returns the system there, the instant, s, and the states.
+pub(super) fn arrive<'p>(
+    program: &'p Program,
+    settings: &Settings,
+    sources: &SourceMap,
+    sink: &mut dyn Sink,
+) -> Result<(HybridSystem<'p>, f64, Vec<f64>), Failure> {
+    if let Some(what) = settings.fault() {
+        return Err(Failure::settings(what));
+    }
+    let mut simulation = Simulation::begin(program, settings, &[], sources, sink)?;
+    simulation.run()?;
+    if simulation.stepper.t() == simulation.t {
+        simulation.y.copy_from_slice(simulation.stepper.y());
+    }
+    Ok((simulation.system, simulation.t, simulation.y))
+}
+
 /// A run in progress.
 pub struct Simulation<'p, 's> {
     pub(super) program: &'p Program,

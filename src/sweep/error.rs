@@ -49,6 +49,39 @@ pub enum SweepError {
         /// Its file.
         journal: String,
     },
+    /// The journal comes from another machine.
+    #[error(
+        "{journal} comes from a machine whose elementary functions round differently, and results of both are not mixed; use machines of one kind, name another output, or restart with `--restart`"
+    )]
+    Foreign {
+        /// Its file.
+        journal: String,
+    },
+    /// `--shard` cannot be read.
+    #[error("`--shard {0}`: write I/N for the part I, from 1 to N, of N parts")]
+    Shard(String),
+    /// There are no journals to gather.
+    #[error(
+        "there is no journal of a shard, {pattern}; run the shards first, with `--shard I/N` and the same arguments"
+    )]
+    NoShards {
+        /// The names that they would have.
+        pattern: String,
+    },
+    /// Journals of different numbers of shards.
+    #[error("there are journals of {first} and of {second} shards; remove those of one number")]
+    TwoDesigns {
+        /// A number of shards.
+        first: u64,
+        /// Another one.
+        second: u64,
+    },
+    /// Shards are not complete.
+    #[error("shards are not complete: {missing}; run them again, which resumes where they stopped")]
+    Incomplete {
+        /// Each with its number of runs.
+        missing: String,
+    },
     /// The output holds a finished sweep.
     #[error(
         "{output} already holds a finished sweep; name another output, or replace it with `--restart`"

@@ -12,7 +12,9 @@
 pub mod design;
 pub mod error;
 pub mod pool;
+pub mod prepared;
 pub mod random;
 pub mod runs;
+pub mod shard;
 pub mod variant;
 pub mod vary;

@@ -83,21 +83,22 @@ impl Sweep<'_> {
         all
     }
 
-    /// Performs the runs that the journal does not hold yet. `on_progress` is called with the number of
-    /// finished runs; `stop` ends the sweep within a step of each run. Returns false if it was cancelled.
+    /// Performs those of `runs` that their journal does not hold yet. `on_progress` is called with the number of
+    /// lines in the journal; `stop` ends the sweep within a step of each run. Returns false if it was cancelled.
     pub fn run(
         &self,
+        runs: Range<u64>,
         journal: &mut Journal,
         stop: &(dyn Fn() -> bool + Sync),
         mut on_progress: impl FnMut(u64),
     ) -> Result<bool, SweepError> {
-        let rest = journal.lines..self.design.count;
-        self.rows(rest, stop, |k, cells| {
+        let rest = (runs.start + journal.lines).min(runs.end)..runs.end;
+        self.rows(rest, stop, |_, cells| {
             journal.push(&line(&cells))?;
-            on_progress(k + 1);
+            on_progress(journal.lines);
             Ok(())
         })?;
-        Ok(journal.lines == self.design.count)
+        Ok(journal.lines == runs.end - runs.start)
     }
 
     /// Performs some of the runs, counted from 0, and passes their rows to `take`, in order. `stop` ends this within a
@@ -216,25 +217,29 @@ impl Sweep<'_> {
         cells
     }
 
-    /// Writes the table from the journal, line by line; returns how the runs ended.
-    pub fn write(&self, journal: &mut Journal, path: &Path) -> Result<Tally, SweepError> {
+    /// Writes the table from the journals of all runs, in order, line by line; returns how the runs ended.
+    pub fn write(&self, journals: &mut [Journal], path: &Path) -> Result<Tally, SweepError> {
         let fields = self.fields();
         let status = fields.len() - 4;
         let mut records = Records::create(path, &fields)?;
         let mut tally = Tally::default();
         let mut outcome = Ok(());
-        journal.for_each(|text| {
-            let written = row(text, &fields).and_then(|cells| {
-                tally.runs += 1;
-                if let (Cell::Integer(number), Cell::Text(why)) = (&cells[0], &cells[status + 1]) {
-                    tally.failed += 1;
-                    tally.first.get_or_insert_with(|| (*number, why.clone()));
-                }
-                records.row(text, &cells)
-            });
-            outcome = written;
-            outcome.is_ok()
-        })?;
+        for journal in journals {
+            journal.for_each(|text| {
+                let written = row(text, &fields).and_then(|cells| {
+                    tally.runs += 1;
+                    if let (Cell::Integer(number), Cell::Text(why)) =
+                        (&cells[0], &cells[status + 1])
+                    {
+                        tally.failed += 1;
+                        tally.first.get_or_insert_with(|| (*number, why.clone()));
+                    }
+                    records.row(text, &cells)
+                });
+                outcome = written;
+                outcome.is_ok()
+            })?;
+        }
         outcome?;
         records.finish()?;
         Ok(tally)

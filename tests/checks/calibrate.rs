@@ -132,6 +132,7 @@ fn a_front_end_may_hold_everything_in_memory() {
         model: Some(decay_model()),
         table: Some(TextTable { names: names(&["file", "split"]), rows }),
         recordings: vec![("1.csv".to_owned(), frame(1)), ("2.csv".to_owned(), frame(2))],
+        ..Memory::default()
     };
     let request = request("no/such/plan.toml", memory);
     let mut session = session();

@@ -22,6 +22,7 @@ mod friction;
 mod fuzz;
 mod implicit;
 mod library;
+mod linear;
 mod machine_code;
 mod mutation;
 mod measured;

@@ -203,16 +203,16 @@ fn sweep_until(journal: &Path, jobs: usize, stop_after: u64) -> Option<Vec<u8>> 
     let variants = Variants::new(model, base, &design.axes, design.count);
     let sweep =
         Sweep { design: &design, variants: &variants, settings, traces: None, measures, jobs };
-    let Ok(Found::Ours(mut journal)) = Journal::open(journal, 1) else { panic!("no journal") };
+    let Ok(Found::Ours(mut journal)) = Journal::open(journal, 1, 2) else { panic!("no journal") };
     let done = AtomicU64::new(journal.lines);
     let stop = || done.load(Ordering::Relaxed) >= stop_after;
     let observe = |k| done.store(k, Ordering::Relaxed);
-    let complete = sweep.run(&mut journal, &stop, observe).expect("a sweep");
+    let complete = sweep.run(0..600, &mut journal, &stop, observe).expect("a sweep");
     if !complete {
         return None;
     }
     let table = std::env::temp_dir().join(format!("mocc-sweep-{}-{jobs}.csv", std::process::id()));
-    let tally = sweep.write(&mut journal, &table).expect("a table");
+    let tally = sweep.write(&mut [journal], &table).expect("a table");
     assert_eq!((tally.runs, tally.failed), (600, 0));
     let text = std::fs::read(&table).expect("a table");
     std::fs::remove_file(&table).expect("a table");
@@ -248,9 +248,70 @@ fn another_sweep_at_the_same_place_is_refused() {
     assert_eq!((again.status, again.err.contains("--restart")), (2, true), "{}", again.err);
     assert_eq!(run(&["--vary", "rate=1,3", "--restart"]).status, 0);
     // A journal of something else.
-    folder.file("out/sweep.journal", "mocc journal 1 0000000000000001\n1,1,ok,,3,0\n");
+    folder.file(
+        "out/sweep.journal",
+        "mocc journal 2 0000000000000001 0000000000000002\n1,1,ok,,3,0\n",
+    );
     let other = run(&["--vary", "rate=1,3"]);
     assert_eq!((other.status, other.err.contains("another sweep")), (2, true), "{}", other.err);
+}
+
+#[test]
+fn shards_make_the_table_of_one_process() {
+    let folder = Scratch::new();
+    folder.file("model.mo", &decay_model());
+    let run = |more: &[&str]| {
+        let mut all = vec!["sweep", "model.mo", "--vary", "rate=0.5:3.5:50", "--output"];
+        all.extend(more);
+        mocc(folder.path(), &all)
+    };
+    assert_eq!(run(&["whole.csv"]).status, 0);
+    for shard in ["3/3", "1/3"] {
+        let ended = run(&["parts.csv", "--shard", shard]);
+        assert_eq!((ended.status, ended.out.contains("complete")), (0, true), "{}", ended.err);
+    }
+    let early = run(&["parts.csv", "--gather"]);
+    assert_eq!(early.status, 2);
+    assert!(early.err.contains("2/3 has 0 of 17 runs"), "{}", early.err);
+    assert_eq!(run(&["parts.csv", "--shard", "2/3"]).status, 0);
+    // A shard that is complete stays so.
+    assert_eq!(run(&["parts.csv", "--shard", "2/3"]).status, 0);
+    let gathered = run(&["parts.csv", "--gather"]);
+    assert_eq!(gathered.status, 0, "{}", gathered.err);
+    assert!(gathered.out.contains("gathered from 3 shards"), "{}", gathered.out);
+    let read = |name: &str| std::fs::read(folder.path().join(name)).expect("a table");
+    assert_eq!(read("parts.csv"), read("whole.csv"));
+    let left = std::fs::read_dir(folder.path()).expect("a folder").flatten();
+    assert!(left.into_iter().all(|e| !e.file_name().to_string_lossy().contains("journal")));
+}
+
+#[test]
+fn shards_of_other_sweeps_and_machines_are_refused() {
+    let folder = Scratch::new();
+    folder.file("model.mo", &decay_model());
+    let run = |vary: &str, more: &[&str]| {
+        let mut all = vec!["sweep", "model.mo", "--vary", vary, "--output", "out"];
+        all.extend(more);
+        let ended = mocc(folder.path(), &all);
+        (ended.status, ended.err)
+    };
+    assert!(run("rate=1,2", &["--gather"]).1.contains("no journal of a shard"));
+    assert_eq!(run("rate=1,2", &["--shard", "1/2"]).0, 0);
+    assert_eq!(run("rate=1,3", &["--shard", "2/2"]).0, 0);
+    let mixed = run("rate=1,2", &["--gather"]);
+    assert_eq!((mixed.0, mixed.1.contains("another sweep")), (2, true), "{}", mixed.1);
+    // The same task, from a machine with another arithmetic.
+    let path = folder.path().join("out/sweep.1-of-2.journal");
+    let text = std::fs::read_to_string(&path).expect("a journal");
+    let head = text.lines().next().expect("a head");
+    let other = format!("{} {:016x}", &head[..head.len() - 17], 7);
+    std::fs::write(&path, text.replacen(head, &other, 1)).expect("a journal");
+    let foreign = run("rate=1,2", &["--shard", "1/2"]);
+    assert_eq!((foreign.0, foreign.1.contains("round differently")), (2, true), "{}", foreign.1);
+    assert!(run("rate=1,2", &["--shard", "3/2"]).1.contains("write I/N"));
+    assert_eq!(run("rate=1,2", &["--shard", "1/3"]).0, 0);
+    assert!(run("rate=1,2", &["--gather"]).1.contains("of 2 and of 3 shards"));
+    assert!(run("rate=1,2", &["--cluster", "tcp://nowhere:1"]).1.contains("Python package"));
 }
 
 #[test]

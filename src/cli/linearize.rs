@@ -1,0 +1,171 @@
+//! `mocc steady` and `mocc linearize`: where a model rests, and its linear system there or at another instant.
+
+use super::args::{At, Linearize, Point, Steady};
+use super::linear_text::{steady_text, system_text};
+use super::{Status, print, running, say};
+use crate::driver::compile::{Ports, Session};
+use crate::io::atomic_file::write_file;
+use crate::io::json::Json;
+use crate::ir::expr::VarId;
+use crate::ir::program::Program;
+use crate::simulate::failure::Failure;
+use crate::simulate::linearize::{Linearization, linearize};
+use crate::simulate::operating_point::OperatingPoint;
+use crate::simulate::ports::{hold, named};
+use crate::simulate::settings::Settings;
+
+/// Prints a steady state.
+pub fn steady(options: &Steady) -> Status {
+    let wanted = match options.solve {
+        true => Wanted::Solved,
+        false => Wanted::Settled,
+    };
+    with_system(&options.point, wanted, &[], |program, system| {
+        let text = steady_text(program, system);
+        let all = Json::object([
+            ("model", Json::text(program.blocks.dae.name.clone())),
+            ("time", Json::number(system.time)),
+            ("states", pairs(program, &system.states, &system.x)),
+            ("inputs", pairs(program, &system.inputs, &system.u)),
+            ("outputs", pairs(program, &system.outputs, &system.y)),
+            ("eigenvalues", eigenvalues(system)),
+        ]);
+        (text, all)
+    })
+}
+
+/// Prints a linear system.
+pub fn run(options: &Linearize) -> Status {
+    let wanted = match options.at {
+        At::Steady => Wanted::Settled,
+        At::Time(time) => Wanted::Time(time),
+    };
+    with_system(&options.point, wanted, &options.outputs, |program, system| {
+        let (n, m, outputs) = (system.states.len(), system.inputs.len(), system.outputs.len());
+        let names = |all: &[VarId]| Json::list(all.iter().map(|v| Json::text(program.name(*v))));
+        let rows = |all: &[f64], count: usize, width: usize| {
+            Json::list((0..count).map(|k| Json::numbers(&all[k * width..(k + 1) * width])))
+        };
+        let all = Json::object([
+            ("model", Json::text(program.blocks.dae.name.clone())),
+            ("time", Json::number(system.time)),
+            ("states", names(&system.states)),
+            ("inputs", names(&system.inputs)),
+            ("outputs", names(&system.outputs)),
+            ("A", rows(&system.a, n, n)),
+            ("B", rows(&system.b, n, m)),
+            ("C", rows(&system.c, outputs, n)),
+            ("D", rows(&system.d, outputs, m)),
+            ("x", Json::numbers(&system.x)),
+            ("dx", Json::numbers(&system.rates)),
+            ("u", Json::numbers(&system.u)),
+            ("y", Json::numbers(&system.y)),
+            ("eigenvalues", eigenvalues(system)),
+        ]);
+        (system_text(program, system), all)
+    })
+}
+
+/// The point that is wanted.
+#[derive(Clone, Copy)]
+enum Wanted {
+    Settled,
+    Solved,
+    Time(f64),
+}
+
+/// Compiles the model and passes its linear system at the point to `show`, which returns text and JSON.
+fn with_system(
+    options: &Point,
+    wanted: Wanted,
+    outputs: &[String],
+    show: impl FnOnce(&Program, &Linearization) -> (String, Json),
+) -> Status {
+    let mut session = Session { is_last: true, ..Session::default() };
+    let compiled = session.compile_with_ports(&options.model.request());
+    say(&session);
+    let (program, ports) = match compiled {
+        Ok(compiled) => compiled,
+        Err(error) => return error.into(),
+    };
+    let (inputs, outputs, given) = match ports_of(&program, ports, options, outputs) {
+        Ok(found) => found,
+        Err(why) => {
+            eprintln!("error: {why}");
+            return Status::Usage;
+        }
+    };
+    let mut settings = Settings::of(&program.blocks.dae.experiment);
+    settings.tolerance = options.tolerance.unwrap_or(settings.tolerance);
+    hold(&program, &inputs, &given, &mut settings);
+    let found = point(&program, settings, &session, wanted);
+    let found = found.and_then(|mut point| linearize(&mut point, &inputs, &outputs));
+    let system = match found {
+        Ok(system) => system,
+        Err(failure) => return running::failed(&failure, &session.sources),
+    };
+    let (mut text, all) = show(&program, &system);
+    if let Some(path) = &options.json {
+        if let Err(why) = write_file(path, all.pretty().as_bytes()) {
+            eprintln!("error: {why}");
+            return Status::Usage;
+        }
+        text.push_str(&format!("wrote {}\n", path.display()));
+    }
+    print(&text)
+}
+
+type Chosen = (Vec<VarId>, Vec<VarId>, Vec<(VarId, f64)>);
+
+/// The inputs, the outputs, and the values of inputs that are given.
+fn ports_of(
+    program: &Program,
+    ports: Ports,
+    options: &Point,
+    outputs: &[String],
+) -> Result<Chosen, String> {
+    let unknown = |name: String| format!("the model has no variable `{name}`");
+    let inputs = named(program, &ports.inputs).map_err(unknown)?;
+    let outputs = if outputs.is_empty() { &ports.outputs } else { outputs };
+    let outputs = named(program, outputs).map_err(unknown)?;
+    let mut given = Vec::new();
+    for text in &options.inputs {
+        let wrong = || format!("`--input {text}`: write NAME=VALUE, a number in SI units");
+        let (name, value) = text.split_once('=').ok_or_else(wrong)?;
+        let value = value.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(wrong)?;
+        let at = ports.inputs.iter().position(|n| n == name.trim()).ok_or_else(|| {
+            let known =
+                if ports.inputs.is_empty() { "none".into() } else { ports.inputs.join(", ") };
+            format!("the model has no input `{}`; its inputs are: {known}", name.trim())
+        })?;
+        given.push((inputs[at], value));
+    }
+    Ok((inputs, outputs, given))
+}
+
+fn point<'p>(
+    program: &'p Program,
+    mut settings: Settings,
+    session: &Session,
+    wanted: Wanted,
+) -> Result<OperatingPoint<'p>, Failure> {
+    match wanted {
+        Wanted::Settled => OperatingPoint::settled(program, &settings, &session.sources),
+        Wanted::Solved => OperatingPoint::solved(program, &settings),
+        Wanted::Time(time) => {
+            settings.stop = time;
+            settings.interval = (time - settings.start).max(f64::MIN_POSITIVE);
+            OperatingPoint::of_run(program, &settings, &session.sources)
+        }
+    }
+}
+
+fn pairs(program: &Program, names: &[VarId], values: &[f64]) -> Json {
+    let one = |(v, x): (&VarId, &f64)| (program.name(*v).to_owned(), Json::number(*x));
+    Json::object(names.iter().zip(values).map(one))
+}
+
+fn eigenvalues(system: &Linearization) -> Json {
+    let all = system.eigenvalues();
+    all.map_or(Json::null(), |all| Json::list(all.iter().map(|x| Json::numbers(&[x.re, x.im]))))
+}
