@@ -30,7 +30,9 @@ impl Grade {
         match self {
             Grade::Established => "established: no other law explains the recordings as well",
             Grade::Curve => "a curve that stands for a law which is not known",
-            Grade::Indistinguishable => "cannot be told from other effects that explain as much",
+            Grade::Indistinguishable => {
+                "cannot be distinguished from other effects that explain as much"
+            }
         }
     }
 }

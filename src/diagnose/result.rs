@@ -139,8 +139,16 @@ pub fn law(effect: &Effect, chosen: &ChosenEffect) -> String {
             .filter(|_| effect.varies.is_some() || effect.formula.is_some())
             .map(|(_, v)| shown(*v))
     };
+    // What is counted from zero is itself.
+    let mut text = effect.law.clone();
+    for (name, _) in chosen.fixed.iter().filter(|(_, v)| *v == 0.0) {
+        for variable in name.strip_suffix("_m").into_iter().chain(name.strip_suffix("_lo")) {
+            text = text.replace(&format!("({variable} - {name})"), variable);
+            text = text.replace(&format!("({variable}_hi - {name})"), &format!("{variable}_hi"));
+        }
+    }
     let mut out = String::new();
-    let mut rest = effect.law.as_str();
+    let mut rest = text.as_str();
     let in_word = |c: char| c.is_alphanumeric() || c == '_';
     while let Some(c) = rest.chars().next() {
         let length = match in_word(c) {
@@ -203,5 +211,8 @@ mod tests {
             group: 0,
         };
         assert_eq!(law(&effect, &chosen), "1 + A |((arm.w - (-2))/20)|^exponent");
+        let mut from_zero = chosen;
+        from_zero.fixed[0].1 = 0.0;
+        assert_eq!(law(&effect, &from_zero), "1 + A |(arm.w/20)|^exponent");
     }
 }

@@ -122,9 +122,16 @@ fn fewer_effects(search: &Search<'_>, diagnosis: &Diagnosis) -> Option<usize> {
     let after = &diagnosis.after;
     let number = groups(&after.effects).count();
     let limit = after.total_criterion() + search.policy().evidence;
+    // A curve explains what several laws do, and names none of them.
+    let curves = |h: &Hypothesis| {
+        let is_curve = |c: &&ChosenEffect| search.study.is_curve(c.effect);
+        h.effects.iter().filter(is_curve).count()
+    };
     let explains = |h: &Hypothesis| {
         let own = groups(&h.effects).count();
-        own > 0 && own < number && h.total_criterion() < limit && h.is_determined(search.study)
+        let is_named = curves(h) <= curves(after);
+        let is_fewer = own > 0 && own < number && is_named;
+        is_fewer && h.total_criterion() < limit && h.is_determined(search.study)
     };
     let all = diagnosis.rejected.iter().enumerate().filter(|(_, h)| explains(h));
     let best = all.min_by(|a, b| a.1.total_criterion().total_cmp(&b.1.total_criterion()));

@@ -191,7 +191,7 @@ fn has_other_noise(search: &Search<'_>, diagnosis: &mut Diagnosis) -> bool {
     let noise = noise(search.study, after);
     let differs = noise.explains_misfit(search.policy());
     if differs {
-        search.note("what is left is white, with another noise than the plan declares");
+        search.note("the residuals are white, with another noise than the plan declares");
         diagnosis.noise = noise;
     }
     differs

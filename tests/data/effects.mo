@@ -1552,7 +1552,7 @@ package EffectTests
 
     model FreeSensor
       extends Base;
-      Effects.FreeSensor effect(u = s, u_lo = 2, u_hi = 3);
+      Effects.FreeSensor effect(u = s, u_lo = 0, u_hi = 3.5e-3);
     end FreeSensor;
 
     model SensorGain
