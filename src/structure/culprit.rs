@@ -152,8 +152,16 @@ pub fn find(dae: &Dae, stated: &Stated) -> Option<Blame> {
 
 /// Of the equations too many, those come first of which two give the same variable.
 fn put_rivals_first(dae: &Dae, stated: &Stated, equations: &mut [usize]) {
+    let names_derivative = |k: usize| {
+        let e = &stated.equations[k];
+        [e.lhs, e.rhs].into_iter().any(|side| matches!(dae.graph.node(side), Node::Der(_)))
+            && [e.lhs, e.rhs].into_iter().any(|side| matches!(dae.graph.node(side), Node::Var(_)))
+    };
     let given = |k: usize| -> Vec<VarId> {
         let e = &stated.equations[k];
+        if names_derivative(k) {
+            return Vec::new();
+        }
         let alone = |side| match dae.graph.node(side) {
             Node::Var(v) => Some(v),
             _ => None,
@@ -164,7 +172,11 @@ fn put_rivals_first(dae: &Dae, stated: &Stated, equations: &mut [usize]) {
     for v in equations.iter().flat_map(|k| given(*k)) {
         *count.entry(v).or_default() += 1;
     }
-    equations.sort_by_key(|k| !given(*k).iter().any(|v| count[v] > 1));
+    // What only names a derivative is seldom wrong.
+    equations.sort_by_key(|k| {
+        let is_rival = given(*k).iter().any(|v| count[v] > 1);
+        if names_derivative(*k) { 2 } else { u8::from(!is_rival) }
+    });
 }
 
 /// For each variable of a connector with flows, the others: a connection determines the flow where it

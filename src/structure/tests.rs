@@ -483,7 +483,7 @@ error[MO0402]: 2 equations for one unknown: `a`
 5 | 2 * a = time;
   | ^^^^^^^^^^^^ 2.0 * a = time
 6 | a * a = 3;
-  | --------- a * a = 3.0
+  | --------- a * a = 3
   |
   = note: see section 8.4 of the Modelica specification
   = note: `M` has 3 equations for 3 unknowns

@@ -26,6 +26,6 @@ end Relay;
 model Block
   Real v(start = 0.1, fixed = true);
 equation
-  //@ error[MO0933] 3-29
+  //@ error[MO0933] 3-30
   der(v) = -sign(v) + 0.2*time;
 end Block;

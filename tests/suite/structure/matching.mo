@@ -45,10 +45,11 @@ end Supplies;
 
 //@ case unconnected_mass
 //@ error[MO0401] at lib/Translational/Flange.mo:3:18
-//@ error[MO0402] at lib/Translational/Flange.mo:4:20
+//@ error[MO0402] at lib/Translational/Damper.mo:16:3-16
 model Drive
   Translational.Mass   mass(m = 1);
   Translational.Spring spring(c = 100);
+  //@ warning[MO0327] 24-29
   Translational.Damper damper(d = 2);
 equation
   connect(spring.flange_b, mass.flange);
