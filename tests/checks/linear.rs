@@ -114,7 +114,7 @@ fn an_instant_of_a_run_is_a_point() {
 #[test]
 fn a_pendulum_hangs_unless_it_is_asked_to_stand() {
     let found = json(PENDULUM, &["steady"]);
-    assert_close(found["states"]["phi"].as_f64().expect("phi"), 0.0, 1e-9);
+    assert!(found["states"]["phi"].as_f64().expect("phi").abs() < 1e-9);
     let eigenvalues = numbers(&found["eigenvalues"]);
     assert_close(eigenvalues[0], -0.2, 1e-9);
     assert_close(eigenvalues[1], f64::sqrt(9.0 - 0.04), 1e-9);
@@ -123,7 +123,7 @@ fn a_pendulum_hangs_unless_it_is_asked_to_stand() {
     assert_close(found["states"]["phi"].as_f64().expect("phi"), std::f64::consts::PI, 1e-9);
     assert!(numbers(&found["eigenvalues"])[0] > 2.0);
     let found = json(&upright, &["steady"]);
-    assert_close(found["states"]["phi"].as_f64().expect("phi"), 0.0, 1e-9);
+    assert!(found["states"]["phi"].as_f64().expect("phi").abs() < 1e-9);
 }
 
 /// The relation is that of the state where the body rests, not of the state where it starts.
@@ -167,7 +167,7 @@ fn what_does_not_rest_is_named() {
                 equation\n  der(x) = v;\n  der(v) = -2*v;\nend M;\n";
     let found = json(free, &["steady"]);
     assert_close(found["states"]["x"].as_f64().expect("x"), 3.5, 1e-5);
-    assert_close(found["states"]["v"].as_f64().expect("v"), 0.0, 1e-12);
+    assert!(found["states"]["v"].as_f64().expect("v").abs() < 1e-12);
 }
 
 #[test]
