@@ -10,8 +10,6 @@ use crate::ir::ast;
 use crate::resolve::library::Folder;
 use crate::resolve::version::of_entry;
 
-use super::compile::Request;
-
 /// The shipped library.
 static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/lib");
 
