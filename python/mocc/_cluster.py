@@ -15,7 +15,7 @@ import threading
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterable
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -110,7 +110,10 @@ class Team:
     def _submit(self, task: Task) -> Future[Any]:
         content = (self.bundle.kind, self.bundle.content) if task.bring else None
         arguments = (VERSION, _mocc.arithmetic(), self.bundle.hash, content, task.method, task.arguments)
-        return self.executor.submit(work, *arguments)
+        try:
+            return self.executor.submit(work, *arguments)
+        except BrokenExecutor as why:
+            raise _broken(why) from why
 
     def _outcome(self, task: Task, future: Future[Any]) -> tuple[Any, float] | None:
         """The answer and its time; `None` if the task has to be done again."""
@@ -123,9 +126,9 @@ class Team:
                 f"a worker cannot do a task of mocc {VERSION} ({why}); install this version on all workers"
             ) from why
         except Exception as why:
+            if isinstance(why, BrokenExecutor):
+                raise _broken(why) from why
             if type(why).__name__ != "KilledWorker":
-                if "process" in type(why).__name__.lower() or type(why).__name__ == "TerminatedWorkerError":
-                    raise RequestError(f"a worker has died, and with it the executor: {why}") from why
                 raise
             # Dask blames a task after some deaths, though another one on the same worker may be the reason.
             task.deaths += 1
@@ -140,6 +143,10 @@ class Team:
         worker, seconds, answer = found
         self.workers.add(worker)
         return answer, seconds
+
+
+def _broken(why: Exception) -> RequestError:
+    return RequestError(f"a worker has died, and with it the executor: {why}")
 
 
 _made: OrderedDict[str, Any] = OrderedDict()
