@@ -11,6 +11,7 @@
 //! cargo bench --bench specimens -- random 20 [1]      # one effect of any size, some not in the catalogue
 //! cargo bench --bench specimens -- random-pairs 20 [1]  # two such effects at once
 //! cargo bench --bench specimens -- valve32 effects    # with the other valve
+//! SPECIMENS_LOG=1 cargo bench --bench specimens -- random 1 7   # with every step of the search
 //! ```
 
 use std::path::Path;
@@ -19,6 +20,7 @@ use std::time::Instant;
 use mocc::base::diag::Problems;
 use mocc::calibrate::data::{self, Data, Split};
 use mocc::calibrate::fit::{self, Fit};
+use mocc::calibrate::observer::{Event, Observer};
 use mocc::calibrate::plan::Plan;
 use mocc::calibrate::plan_file;
 use mocc::calibrate::problem::Problem;
@@ -382,7 +384,8 @@ impl Stand {
         let started = Instant::now();
         let effects = self.catalogue(hidden);
         let study = Study { effects, data: data.clone(), ..self.study.clone() };
-        let found = diagnose(&study, &()).ok();
+        let observer = Log { is_shown: std::env::var_os("SPECIMENS_LOG").is_some(), started };
+        let found = diagnose(&study, &observer).ok();
         (found, started.elapsed().as_secs_f64())
     }
 
@@ -404,6 +407,20 @@ impl Stand {
             found.before.chi2_validation(),
             found.after.chi2_validation(),
         )
+    }
+}
+
+/// Shows the steps of a search if the environment asks for it.
+struct Log {
+    is_shown: bool,
+    started: Instant,
+}
+
+impl Observer for Log {
+    fn event(&self, event: &Event<'_>) {
+        if self.is_shown {
+            println!("{:10.2} s  {event}", self.started.elapsed().as_secs_f64());
+        }
     }
 }
 

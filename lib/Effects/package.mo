@@ -39,6 +39,7 @@ package Effects "Physical effects that a model may lack"
   //   over=dp               the variable of that class that it depends on
   //   from=v_lo; to=v_hi    the parameters that are its first and its last knot; without `from`, the curve begins at 0
   //   zero=true             the curve passes through 0 at 0, and its first knot is at least one n-th of the last
+  //   anchored=true         the curve is 0 at its first knot, which has no amplitude of its own
   //   equation=i = F(v)     an equation of the law, with F for the formula; one entry for each equation
   //
   // An entry `choice` describes another law that a class has built in: the overrides that select it (`with`), its own

@@ -78,6 +78,10 @@ pub struct Condition {
     pub span: Span,
 }
 
+/// The condition that is the number of a recording, 1 for the first. Only a model that has a parameter of this name sees
+/// it: one that was extended by an effect of wear or drift.
+pub const RECORDING_NUMBER: &str = "recording_number";
+
 /// A measured signal and the variable that it measures.
 #[derive(Clone, Debug)]
 pub struct Signal {

@@ -21,7 +21,7 @@ use super::cause::PlanCause;
 use super::data::{Data, Recording, Split};
 use super::parallel;
 use super::parameter::{Parameter, input, parameter};
-use super::plan::Plan;
+use super::plan::{Plan, RECORDING_NUMBER};
 use super::rows::Rows;
 use super::sums::Sums;
 use super::unit::Unit;
@@ -84,7 +84,8 @@ pub struct Problem<'a> {
     /// Parameters of which a recording has a value of its own, for the recordings that are not fitted: their
     /// values are fitted to them alone ([`super::own_fit`]).
     pub own: Vec<Parameter>,
-    conditions: Vec<VarId>,
+    /// Parameters that the conditions of the plan set; `None` for the number of the recording, if the program has none.
+    conditions: Vec<Option<VarId>>,
     /// Inputs of the program that the starts of the recordings set.
     starts: Vec<Input>,
     /// Inputs of the model that the recordings drive.
@@ -126,8 +127,13 @@ impl<'a> Problem<'a> {
         unit_check::check(program, plan, problems);
         let mut conditions = Vec::new();
         for c in &plan.conditions {
+            let has_it = program.blocks.dae.variables.iter().any(|v| v.name == c.parameter);
+            if c.parameter == RECORDING_NUMBER && !has_it {
+                conditions.push(None);
+                continue;
+            }
             match input(program, &c.parameter, c.span, problems) {
-                Some(Input::Parameter(v)) => conditions.push(v),
+                Some(Input::Parameter(v)) => conditions.push(Some(v)),
                 Some(Input::Start(_)) | None => {}
             }
         }
@@ -260,7 +266,8 @@ impl<'a> Problem<'a> {
     fn settings(&self, recording: &Recording, taken: &[Taken<'_>]) -> Settings {
         let mut settings = self.settings.clone();
         let conditions = self.conditions.iter().copied().zip(recording.conditions.iter().copied());
-        settings.parameters = conditions.filter(|(_, value)| !value.is_nan()).collect();
+        let set = conditions.filter(|(_, value)| !value.is_nan());
+        settings.parameters = set.filter_map(|(v, value)| Some((v?, value))).collect();
         for (target, value) in self.starts.iter().zip(&recording.starts) {
             match *target {
                 Input::Parameter(v) => settings.parameters.push((v, *value)),

@@ -11,7 +11,6 @@ use super::place::Place;
 use super::preference::{ends_with_curve, ends_with_sensor, sort_by_preference};
 use super::rank::Scored;
 use super::regrid::regridded;
-use super::revise::is_resolved;
 use super::search::Search;
 use super::study::Study;
 
@@ -46,7 +45,12 @@ impl CandidateFits<'_> {
         }
         self.fit_fully(&mut hypotheses);
         sort_by_preference(search, from, &mut hypotheses, criterion);
-        if let Some(best) = hypotheses.first().filter(|h| self.may_be_local_minimum(h))
+        let nearly = |h: &Hypothesis| {
+            let most = 1.0 + search.policy().leading_excess;
+            h.chi2_train() < most && h.chi2_validation() < most
+        };
+        if let Some(best) =
+            hypotheses.first().filter(|h| self.may_be_local_minimum(h) && !nearly(h))
             && let Some(better) = self.refit_from_other_starts(best)
         {
             hypotheses[0] = better;
@@ -79,6 +83,7 @@ impl CandidateFits<'_> {
         let mut hypotheses: Vec<Hypothesis> = Vec::new();
         let (left, mut least_gain) = (self.from.train.total(), f64::NEG_INFINITY);
         let (study, mut variation_resolves) = (self.search.study, false);
+        let mut hopeless = self.give_up_above.unwrap_or(f64::INFINITY);
         for proposal in self.proposals {
             if !self.search.may_continue() {
                 break;
@@ -94,10 +99,8 @@ impl CandidateFits<'_> {
             let (effects, plan) = attach(self.search.study, self.from, proposal, self.depth);
             let short = &mut |p: &mut Problem<'_>, start: &[f64]| {
                 p.trimmed = p.surplus(policy.score_instants);
-                let is_hopeless = |step: u32, cost: f64| {
-                    let limit = self.give_up_above.unwrap_or(f64::INFINITY);
-                    step >= STEPS_BEFORE_GIVING_UP && cost > limit
-                };
+                let is_hopeless =
+                    |step: u32, cost: f64| step >= STEPS_BEFORE_GIVING_UP && cost > hopeless;
                 let on_step = &mut |step, cost| self.search.on_step() && !is_hopeless(step, cost);
                 let fit = local_search(p, start, &policy.short_fit, on_step);
                 p.trimmed = Vec::new();
@@ -117,8 +120,11 @@ impl CandidateFits<'_> {
                 let label = self.label(&fitted);
                 self.search.note(&format!("short fit of {label}: {:.4}", fitted.chi2_train()));
                 let leads = self.leads(&fitted).then(|| self.continued(&fitted)).flatten();
+                if let Some(leader) = &leads {
+                    hopeless = hopeless.min(policy.trailing_factor * leader.train.total());
+                }
                 let fitted = leads.unwrap_or(fitted);
-                if fitted.chi2_train() < policy.resolved_train {
+                if fitted.explains_training(policy) {
                     least_gain = least_gain.max(gain - policy.pair_margin * left);
                 }
                 let resolves = self.resolves(&fitted);
@@ -135,22 +141,20 @@ impl CandidateFits<'_> {
 
     /// True for a short fit that explains so much that it is continued before others are tried.
     fn leads(&self, hypothesis: &Hypothesis) -> bool {
-        let (study, policy) = (self.search.study, self.search.policy());
-        let excess = self.from.chi2_train() - 1.0;
-        let left = policy.leading_excess + (1.0 - policy.leading_share) * excess;
+        let study = self.search.study;
         let specific = !ends_with_curve(study, hypothesis) && !ends_with_sensor(hypothesis);
         let is_alternative = self.give_up_above.is_some();
         specific
             && !is_alternative
             && self.from.effects.is_empty()
-            && hypothesis.chi2_train() - 1.0 < left
+            && self.search.leads(self.from, hypothesis)
     }
 
     /// True for a completed fit of an effect on the machine that leaves nothing to explain.
     fn resolves(&self, hypothesis: &Hypothesis) -> bool {
         let specific =
             !ends_with_curve(self.search.study, hypothesis) && !ends_with_sensor(hypothesis);
-        specific && hypothesis.is_complete_fit && is_resolved(self.search, hypothesis)
+        specific && hypothesis.is_complete_fit && hypothesis.is_resolved(self.search.policy())
     }
 
     /// A hypothesis fitted to convergence.
@@ -159,10 +163,16 @@ impl CandidateFits<'_> {
             let start = p.start();
             self.full_fit(p, &start)
         };
-        let moved = regridded(self.search, hypothesis);
-        let hypothesis = moved.as_ref().unwrap_or(hypothesis);
-        let (effects, plan) = (hypothesis.effects.clone(), hypothesis.plan.clone());
-        let mut better = Hypothesis::fitted(self.search.study, effects, plan, full).ok()?;
+        let from = |start: &Hypothesis, full: &mut dyn FnMut(&mut Problem<'_>) -> Option<Fit>| {
+            let (effects, plan) = (start.effects.clone(), start.plan.clone());
+            Hypothesis::fitted(self.search.study, effects, plan, full).ok()
+        };
+        let on_new_knots = regridded(self.search, hypothesis).and_then(|moved| from(&moved, full));
+        let is_better = |h: &Hypothesis| h.train.total() < hypothesis.train.total();
+        let mut better = match on_new_knots.filter(is_better) {
+            Some(better) => better,
+            None => from(hypothesis, full)?,
+        };
         better.is_complete_fit = true;
         self.note(&format!("fitted {}", self.label(&better)), &better);
         Some(better)
@@ -196,7 +206,7 @@ impl CandidateFits<'_> {
                     None => continue,
                 },
             };
-            if better.chi2_train() < self.search.policy().resolved_train {
+            if better.explains_training(self.search.policy()) {
                 match ends_with_curve(self.search.study, &better) {
                     true => curve_resolves = true,
                     false => parametric_resolves = true,
@@ -347,8 +357,9 @@ impl CandidateFits<'_> {
     /// True for a fit that explains most of the excess, but not all of it: a better minimum may be near.
     fn may_be_local_minimum(&self, hypothesis: &Hypothesis) -> bool {
         let policy = self.search.policy();
-        let leaves_something = hypothesis.chi2_train() > policy.resolved_train
-            || hypothesis.chi2_validation() > 1.0 + policy.local_minimum_above;
+        let limit = policy.validation_limit(hypothesis.validation.count());
+        let leaves_something = !hypothesis.explains_training(policy)
+            || hypothesis.chi2_validation() > limit.max(1.0 + policy.local_minimum_above);
         leaves_something && self.explains_most(hypothesis)
     }
 

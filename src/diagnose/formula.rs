@@ -20,6 +20,8 @@ pub struct FreeCurve {
     pub to: String,
     /// It passes through 0 at 0, and its first knot is at least one `n`-th of the last.
     pub is_zero_at_zero: bool,
+    /// It is 0 at its first knot, which is no amplitude: a constant would be a part of the parameter that it multiplies.
+    pub is_anchored: bool,
     /// The equations of the law, with `F(x)` for the formula.
     pub equations: Vec<String>,
 }
@@ -39,6 +41,7 @@ impl FreeCurve {
                 "from" => curve.from = Some(value),
                 "to" => curve.to = value,
                 "zero" => curve.is_zero_at_zero = value == "true",
+                "anchored" => curve.is_anchored = value == "true",
                 "equation" => curve.equations.push(value),
                 _ => return Err(wrong()),
             }
@@ -46,11 +49,23 @@ impl FreeCurve {
         Ok(curve)
     }
 
-    /// Places of `n` knots between these ends.
+    /// Places of the `n` knots between these ends that are amplitudes.
     pub fn places(&self, n: usize, (low, high): (f64, f64)) -> Vec<f64> {
+        if self.is_anchored {
+            return (1..=n).map(|k| low + (high - low) * k as f64 / n as f64).collect();
+        }
         let least = if self.is_zero_at_zero { high / n as f64 } else { low };
         let first = if low < high { low.max(least) } else { least };
         (0..n).map(|k| first + (high - first) * k as f64 / (n - 1).max(1) as f64).collect()
+    }
+
+    /// The point of the curve that is no amplitude, if its first knot is at `low`.
+    pub fn fixed_point(&self, low: f64) -> Option<(f64, f64)> {
+        match (self.is_anchored, self.is_zero_at_zero) {
+            (true, _) => Some((low, 0.0)),
+            (false, true) => Some((0.0, 0.0)),
+            (false, false) => None,
+        }
     }
 
     /// Its variable is counted from the middle of its range.
@@ -84,6 +99,26 @@ pub struct Form {
 }
 
 impl Form {
+    /// One of its terms is constant.
+    pub fn has_constant(&self) -> bool {
+        self.terms.iter().any(|t| t.modelica == ONE.modelica)
+    }
+
+    /// It equals another form where the variable has only one sign.
+    pub fn needs_both_signs(&self) -> bool {
+        let of_magnitude = [MAGNITUDE.modelica, EVEN_POWER.modelica];
+        let is_even = self.terms.iter().all(|t| of_magnitude.contains(&t.modelica));
+        is_even || !self.has_constant() && self.terms.iter().any(|t| t.modelica == SQUARE.modelica)
+    }
+
+    /// It bends a straight line one way, without a place of its own along the line.
+    pub fn bends_line(&self) -> bool {
+        let is_placed =
+            self.shapes.iter().any(|s| s.name == CENTRE.name || s.name == WAVE_NUMBER.name);
+        let is_plain = self.terms.len() == 1 && self.shapes.is_empty();
+        !is_placed && !is_plain && !self.has_constant()
+    }
+
     /// One of its terms is proportional to the variable.
     pub fn has_line(&self) -> bool {
         self.terms.iter().any(|t| t.modelica == LINE.modelica)
@@ -133,6 +168,13 @@ const SQUARE: Term = Term { modelica: "{u}^2", shown: "{u}^2", value: |u, _| u *
 const SIGNED_SQUARE: Term =
     Term { modelica: "{u}*noEvent(abs({u}))", shown: "{u} |{u}|", value: |u, _| u * u.abs() };
 const CUBE: Term = Term { modelica: "{u}^3", shown: "{u}^3", value: |u, _| u * u * u };
+const MAGNITUDE: Term =
+    Term { modelica: "noEvent(abs({u}))", shown: "|{u}|", value: |u, _| u.abs() };
+const EVEN_POWER: Term = Term {
+    modelica: "Effects.regularPower(noEvent(abs({u})), exponent)",
+    shown: "|{u}|^exponent",
+    value: |u, p| u.abs().powf(p[0]),
+};
 const POWER: Term = Term {
     modelica: "Effects.regularPower({u}, exponent)",
     shown: "{u}^exponent",
@@ -209,12 +251,15 @@ static FORMS: &[Form] = &[
     Form { name: "Proportional", terms: &[LINE], shapes: &[], is_zero_at_zero: true },
     Form { name: "Line", terms: &[ONE, LINE], shapes: &[], is_zero_at_zero: false },
     Form { name: "PowerLaw", terms: &[POWER], shapes: &[EXPONENT], is_zero_at_zero: true },
+    Form { name: "Magnitude", terms: &[MAGNITUDE], shapes: &[], is_zero_at_zero: true },
+    Form { name: "EvenPower", terms: &[EVEN_POWER], shapes: &[EXPONENT], is_zero_at_zero: true },
     Form {
         name: "LineAndSquare",
         terms: &[LINE, SIGNED_SQUARE],
         shapes: &[],
         is_zero_at_zero: true,
     },
+    Form { name: "LineAndParabola", terms: &[LINE, SQUARE], shapes: &[], is_zero_at_zero: true },
     Form { name: "LineAndCube", terms: &[LINE, CUBE], shapes: &[], is_zero_at_zero: true },
     Form { name: "Growth", terms: &[GROWTH], shapes: &[SCALE], is_zero_at_zero: true },
     Form { name: "Saturation", terms: &[SATURATION], shapes: &[WIDTH], is_zero_at_zero: true },
@@ -244,7 +289,10 @@ pub fn formulas(effects: &[Effect]) -> Vec<Effect> {
     let mut out = Vec::new();
     for (k, effect) in effects.iter().enumerate() {
         let Some(curve) = &effect.curve else { continue };
-        let fits = |form: &&Form| form.is_zero_at_zero || !curve.is_zero_at_zero;
+        let fits = |form: &&Form| match () {
+            () if curve.is_anchored => !form.has_constant(),
+            () => form.is_zero_at_zero || !curve.is_zero_at_zero,
+        };
         out.extend(FORMS.iter().filter(fits).map(|form| formula(k, effect, curve, form)));
     }
     out
@@ -303,6 +351,7 @@ fn formula(k: usize, effect: &Effect, curve: &FreeCurve, form: &'static Form) ->
         binds: effect.binds.clone(),
         varies: effect.varies.clone(),
         acts: effect.acts.clone(),
+        of_signal: effect.of_signal,
         named: Some(effect.class.clone()),
         law,
         units,

@@ -5,7 +5,7 @@
 //! squares (variable projection: Golub and Pereyra 1973), so a grid of shapes suffices for a start.
 
 use crate::base::source::Span;
-use crate::calibrate::fit::refined;
+use crate::calibrate::fit::{refined, search as local_search};
 use crate::calibrate::plan::{Free, Plan};
 use crate::calibrate::problem::Problem;
 use crate::numeric::least_squares::NormalEquations;
@@ -16,11 +16,12 @@ use super::hypothesis::{ChosenEffect, Hypothesis, component_name};
 use super::result::Diagnosis;
 use super::revise::accept_instead;
 use super::search::Search;
+use super::study::Study;
 
 /// Replaces the free curves of a diagnosis by formulas where the recordings support one.
 pub fn replace_curves(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     for k in 0..diagnosis.after.effects.len() {
-        let limit = diagnosis.after.total_criterion() + search.policy().evidence;
+        let limit = diagnosis.after.total_criterion() + allowance(search, &diagnosis.after, k);
         if let Some(best) = formula_instead(search, &diagnosis.after, k)
             && best.total_criterion() < limit
         {
@@ -29,8 +30,18 @@ pub fn replace_curves(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     }
 }
 
-/// The hypothesis with the best formula in the place of its effect `k`. `None` if that is no free curve, or if the
-/// recordings determine none of the formulas.
+/// By how much the criterion may rise with a formula in the place of effect `k`: a curve is no law, while a straight line
+/// is one until the data support another.
+pub fn allowance(search: &Search<'_>, hypothesis: &Hypothesis, k: usize) -> f64 {
+    let evidence = search.policy().evidence;
+    match search.study.is_curve(hypothesis.effects[k].effect) {
+        true => evidence,
+        false => -evidence,
+    }
+}
+
+/// The hypothesis with the best formula in the place of its effect `k`, a free curve or a parameter that varies along a
+/// straight line. `None` if it is neither, or if the recordings determine none of the formulas.
 pub fn formula_instead(
     search: &Search<'_>,
     hypothesis: &Hypothesis,
@@ -38,14 +49,17 @@ pub fn formula_instead(
 ) -> Option<Hypothesis> {
     let study = search.study;
     let chosen = hypothesis.effects.get(k)?;
-    let curve = study.effects[chosen.effect].curve.as_ref()?;
+    let (own, curve) = curve_of(study, chosen.effect)?;
     if hypothesis.effects.iter().filter(|c| c.group == chosen.group).count() > 1 {
         return None;
     }
-    let knots = Knots::of(search, hypothesis, chosen, curve)?;
+    let knots = match own == chosen.effect {
+        true => Knots::of(search, hypothesis, chosen, curve)?,
+        false => Knots::on_line(study, hypothesis, chosen, curve)?,
+    };
     let forms = study.effects.iter().enumerate().filter_map(|(effect, e)| {
-        let formula = e.formula.as_ref().filter(|f| f.curve == chosen.effect)?;
-        Some((effect, formula.form))
+        let formula = e.formula.as_ref().filter(|f| f.curve == own)?;
+        Some((effect, formula.form)).filter(|(_, form)| own == chosen.effect || form.bends_line())
     });
     let mut candidates: Vec<Candidate> =
         forms.filter_map(|(effect, form)| knots.fitted(effect, form)).collect();
@@ -71,6 +85,18 @@ pub fn formula_instead(
     best
 }
 
+/// The free curve that formulas stand for in the place of an effect, and its position in the catalogue: the effect itself
+/// or, for a parameter that varies along a straight line, the curve along which it may vary.
+fn curve_of(study: &Study, effect: usize) -> Option<(usize, &FreeCurve)> {
+    let own = &study.effects[effect];
+    if let Some(curve) = &own.curve {
+        return Some((effect, curve));
+    }
+    let is_line = own.varies.is_some() && own.formula.is_none() && own.amplitudes.len() == 1;
+    let mut all = study.effects.iter().enumerate().filter(|(_, e)| is_line && e.varies.is_some());
+    all.find_map(|(k, e)| Some((k, e.curve.as_ref()?)))
+}
+
 /// A fitted curve.
 struct Knots {
     x: Vec<f64>,
@@ -79,6 +105,8 @@ struct Knots {
     weights: Vec<f64>,
     /// Other parameters of the model take a share of the curve, which is taken to be proportional to its variable.
     is_shared: bool,
+    /// The curve multiplies a parameter, which a constant part belongs to.
+    is_anchored: bool,
     /// The value of the variable from which `u` is counted.
     middle: f64,
     /// The value by which it is divided.
@@ -88,7 +116,25 @@ struct Knots {
 /// Errors of knots below this share of the greatest value are not trusted.
 const LEAST_ERROR: f64 = 0.01;
 
+/// Points that stand for a straight line.
+const POINTS_ON_LINE: usize = 8;
+
 impl Knots {
+    /// Points on the straight line along which a parameter varies.
+    fn on_line(
+        study: &Study,
+        hypothesis: &Hypothesis,
+        chosen: &ChosenEffect,
+        curve: &FreeCurve,
+    ) -> Option<Knots> {
+        let amplitude = study.effects[chosen.effect].amplitudes.first()?;
+        let (slope, _) = hypothesis.estimate(&chosen.full_name(&amplitude.name))?;
+        let (low, high) = ends(chosen, curve)?;
+        let places = curve.places(POINTS_ON_LINE, (low, high));
+        let on_line = |x: &f64| (*x, slope * (x - low) / (high - low), 0.0);
+        Knots::through(places.iter().map(on_line).collect(), curve, (low, high), false)
+    }
+
     /// The knots of a curve that are determined, or all if none is; `None` if fewer than three.
     fn of(
         search: &Search<'_>,
@@ -97,9 +143,7 @@ impl Knots {
         curve: &FreeCurve,
     ) -> Option<Knots> {
         let effect = &search.study.effects[chosen.effect];
-        let fixed = |name: &String| chosen.fixed.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
-        let low = curve.from.as_ref().map_or(Some(0.0), fixed)?;
-        let high = fixed(&curve.to)?;
+        let (low, high) = ends(chosen, curve)?;
         let places = curve.places(effect.amplitudes.len(), (low, high));
         let estimates =
             effect.amplitudes.iter().map(|a| hypothesis.estimate(&chosen.full_name(&a.name)));
@@ -116,6 +160,19 @@ impl Knots {
         } else {
             determined
         };
+        Knots::through(known, curve, (low, high), is_shared)
+    }
+
+    /// Points of a curve, each with its standard error; `None` if fewer than three.
+    fn through(
+        mut known: Vec<(f64, f64, f64)>,
+        curve: &FreeCurve,
+        (low, high): (f64, f64),
+        is_shared: bool,
+    ) -> Option<Knots> {
+        if curve.is_anchored {
+            known.extend(curve.fixed_point(low).map(|(x, y)| (x, y, 0.0)));
+        }
         let greatest = known.iter().map(|(_, y, _)| y.abs()).fold(0.0, f64::max);
         if known.len() < 3 || greatest == 0.0 || high <= low {
             return None;
@@ -132,6 +189,7 @@ impl Knots {
             x: known.iter().map(|k| k.0).collect(),
             y: known.iter().map(|k| k.1).collect(),
             is_shared,
+            is_anchored: curve.is_anchored,
             middle,
             scale,
         })
@@ -139,28 +197,40 @@ impl Knots {
 
     /// A form fitted to the knots: the best of its shapes.
     fn fitted(&self, effect: usize, form: &'static Form) -> Option<Candidate> {
-        let parameters = form.terms.len() + form.shapes.len() + usize::from(self.is_shared);
-        if parameters >= self.x.len() || self.is_shared && form.has_line() {
+        let shares = usize::from(self.is_shared) + usize::from(self.is_anchored);
+        let parameters = form.terms.len() + form.shapes.len() + shares;
+        let has_both_signs =
+            [-1.0, 1.0].iter().all(|sign| self.x.iter().any(|x| (x - self.middle) * sign > 0.0));
+        if parameters >= self.x.len()
+            || self.is_shared && form.has_line()
+            || form.needs_both_signs() && !has_both_signs
+        {
             return None;
         }
         let mut best: Option<Candidate> = None;
         for shapes in grid(form) {
-            let Some((amplitudes, cost)) = self.amplitudes(form, &shapes) else { continue };
+            let Some((amplitudes, constant, cost)) = self.amplitudes(form, &shapes) else {
+                continue;
+            };
             let criterion = cost + parameters as f64 * (self.x.len() as f64).ln();
             if best.as_ref().is_none_or(|b| criterion < b.criterion) {
-                best = Some(Candidate { effect, form, amplitudes, shapes, criterion });
+                best = Some(Candidate { effect, form, amplitudes, constant, shapes, criterion });
             }
         }
         best
     }
 
-    /// The amplitudes of least squares for given shapes, and the weighted sum of squares that is left.
-    fn amplitudes(&self, form: &Form, shapes: &[f64]) -> Option<(Vec<f64>, f64)> {
-        let n = form.terms.len() + usize::from(self.is_shared);
+    /// The amplitudes of least squares for given shapes, the constant part, and the weighted sum of squares that is left.
+    fn amplitudes(&self, form: &Form, shapes: &[f64]) -> Option<(Vec<f64>, f64, f64)> {
+        let n = form.terms.len() + usize::from(self.is_shared) + usize::from(self.is_anchored);
         let mut normal = NormalEquations::new(n);
         for ((x, y), weight) in self.x.iter().zip(&self.y).zip(&self.weights) {
             let u = (x - self.middle) / self.scale;
-            let share = self.is_shared.then_some(u * weight);
+            let share = self
+                .is_anchored
+                .then_some(*weight)
+                .into_iter()
+                .chain(self.is_shared.then_some(u * weight));
             let terms = form.terms.iter().map(|t| (t.value)(u, shapes) * weight);
             let slopes: Vec<f64> = terms.chain(share).collect();
             normal.add(-y * weight, &slopes);
@@ -173,8 +243,12 @@ impl Knots {
         let mut step: Vec<f64> = normal.gradient.iter().map(|g| -g).collect();
         lu.solve_in_place(&mut step);
         let cost = normal.after(&step);
+        let constant = if self.is_anchored { step[form.terms.len()] } else { 0.0 };
         step.truncate(form.terms.len());
-        (cost.is_finite() && step.iter().all(|a| a.is_finite())).then_some((step, cost.max(0.0)))
+        // The parameter takes the constant part: 1 + c + f = (1 + c)(1 + f/(1 + c)).
+        step.iter_mut().for_each(|a| *a /= 1.0 + constant);
+        let is_finite = cost.is_finite() && step.iter().all(|a| a.is_finite());
+        is_finite.then_some((step, constant, cost.max(0.0)))
     }
 }
 
@@ -183,6 +257,8 @@ struct Candidate {
     effect: usize,
     form: &'static Form,
     amplitudes: Vec<f64>,
+    /// The part that belongs to the parameter which an anchored curve multiplies, as a share of it; else 0.
+    constant: f64,
     shapes: Vec<f64>,
     /// Information criterion over the knots.
     criterion: f64,
@@ -211,6 +287,10 @@ impl Candidate {
         let mut plan: Plan = from.plan.clone();
         let is_old = |name: &String| old.fitted.iter().any(|p| *name == old.full_name(p));
         plan.free.retain(|free| !free.targets.iter().any(is_old));
+        let is_multiplied = |free: &Free| free.targets.iter().any(|t| old.place.at.contains(t));
+        for free in plan.free.iter_mut().filter(|free| is_multiplied(free)) {
+            free.start = free.start.map(|start| start * (1.0 + self.constant));
+        }
         if knots.is_shared {
             // Their values belong to the whole curve, of which they have a share.
             for free in &mut plan.free {
@@ -240,16 +320,37 @@ impl Candidate {
             chosen.fitted.push(name);
         }
         let mut effects = from.effects.clone();
+        if chosen.place.signal.is_some() {
+            // The signal, or a later effect of the same sensor, reads the output under its new name.
+            let (output, new) = (format!("{}.y", old.name), format!("{}.y", chosen.name));
+            let binds = effects.iter_mut().flat_map(|c| &mut c.place.binds).map(|(_, v)| v);
+            let readers = binds.chain(plan.signals.iter_mut().map(|s| &mut s.variable));
+            readers.filter(|v| **v == output).for_each(|v| v.clone_from(&new));
+        }
         effects[k] = chosen;
-        let policy = &search.policy().fit;
+        let policy = search.policy();
+        // A line that does not get better soon when it may bend is straight.
+        let least = from.train.total() - policy.evidence;
+        let is_line = !study.is_curve(old.effect);
         let fit = &mut |p: &mut Problem<'_>| {
             let start = p.start();
-            refined(p, policy, &start, &policy.full, &mut |_, _| search.on_step())
+            let short = local_search(p, &start, &policy.short_fit, &mut |_, _| search.on_step())?;
+            if is_line && short.normal.cost > least {
+                return None;
+            }
+            let on_step = &mut |_, _| search.on_step();
+            refined(p, &policy.fit, &short.x, &policy.fit.full, on_step)
         };
         let mut fitted = Hypothesis::fitted(study, effects, plan, fit).ok()?;
         fitted.is_complete_fit = true;
         Some(fitted)
     }
+}
+
+/// The first and the last knot of a chosen curve.
+fn ends(chosen: &ChosenEffect, curve: &FreeCurve) -> Option<(f64, f64)> {
+    let fixed = |name: &String| chosen.fixed.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
+    Some((curve.from.as_ref().map_or(Some(0.0), fixed)?, fixed(&curve.to)?))
 }
 
 /// All combinations of the shapes' starts.
@@ -279,7 +380,15 @@ mod tests {
     fn knots(f: impl Fn(f64) -> f64) -> Knots {
         let x: Vec<f64> = (0..8).map(|k| 0.25 * f64::from(k)).collect();
         let y: Vec<f64> = x.iter().map(|x| f(*x)).collect();
-        Knots { weights: vec![100.0; 8], x, y, is_shared: false, middle: 0.0, scale: 2.0 }
+        Knots {
+            weights: vec![100.0; 8],
+            x,
+            y,
+            is_shared: false,
+            is_anchored: false,
+            middle: 0.0,
+            scale: 2.0,
+        }
     }
 
     /// The form that describes a function best, with its amplitudes and shapes.

@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use super::candidate_fit::CandidateFits;
-use super::formula_fit::formula_instead;
+use super::formula_fit::{allowance, formula_instead};
 use super::hypothesis::Hypothesis;
+use super::preference::{ends_with_curve, ends_with_variation};
 use super::rank::{Scored, rank};
 use super::result::Diagnosis;
 use super::search::{Search, accept};
@@ -13,12 +14,12 @@ use super::search::{Search, accept};
 pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths: Range<usize>) {
     let policy = search.policy();
     for depth in depths {
-        let resolved = match depth {
-            0 => 0.0,
-            _ if depth < policy.usual_effects => policy.resolved_train,
-            _ => policy.many_effects_above,
+        let is_explained = match depth {
+            0 => false,
+            _ if depth < policy.usual_effects => diagnosis.after.explains_training(policy),
+            _ => diagnosis.after.chi2_train() < policy.many_effects_above,
         };
-        if diagnosis.after.chi2_train() < resolved || !search.may_continue() {
+        if is_explained || !search.may_continue() {
             break;
         }
         let ranking = rank(search, &diagnosis.after);
@@ -64,14 +65,22 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
     }
 }
 
-/// Where the best hypothesis is a free curve of which other parameters take a share, so that nothing determines it: adds
-/// the best formula in its place.
+/// Adds the best formula in the place of the best hypothesis, if that is a free curve of which other parameters take a
+/// share, so that nothing determines it, or if it describes what is missing only roughly: a curve between its knots, a
+/// parameter that varies along a straight line. A second effect would else be found that makes up for the first.
 fn with_formulas(search: &Search<'_>, hypotheses: &mut Vec<Hypothesis>) {
-    let Some(best) = hypotheses.first().filter(|h| !h.is_determined(search.study)) else { return };
-    if let Some(formula) = formula_instead(search, best, best.effects.len() - 1) {
-        let criterion = formula.total_criterion();
-        let is_worse =
-            |h: &Hypothesis| h.is_determined(search.study) && h.total_criterion() > criterion;
+    let study = search.study;
+    let Some(best) = hypotheses.first() else { return };
+    let is_vague = ends_with_curve(study, best) || ends_with_variation(study, best);
+    let is_determined = best.is_determined(study);
+    if is_determined && (!is_vague || best.is_resolved(search.policy())) {
+        return;
+    }
+    let last = best.effects.len() - 1;
+    if let Some(formula) = formula_instead(search, best, last) {
+        let allowance = if is_determined { allowance(search, best, last) } else { 0.0 };
+        let criterion = formula.total_criterion() - allowance;
+        let is_worse = |h: &Hypothesis| h.is_determined(study) && h.total_criterion() > criterion;
         let place = hypotheses.iter().position(is_worse).unwrap_or(hypotheses.len());
         hypotheses.insert(place, formula);
     }

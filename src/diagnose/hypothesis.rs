@@ -13,6 +13,7 @@ use super::catalogue::{Amplitude, Start};
 use super::law_choice::Choice;
 use super::model_source::Attached;
 use super::place::Place;
+use super::policy::SearchPolicy;
 use super::rank::Scored;
 use super::study::{DiagnosisError, Study};
 
@@ -142,6 +143,17 @@ impl Hypothesis {
         }
     }
 
+    /// True if nothing is left to explain in the training recordings.
+    pub fn explains_training(&self, policy: &SearchPolicy) -> bool {
+        self.chi2_train() < policy.train_limit(self.train.count())
+    }
+
+    /// True if nothing is left to explain, neither in the training recordings nor in those that were never fitted.
+    pub fn is_resolved(&self, policy: &SearchPolicy) -> bool {
+        let validation = policy.validation_limit(self.validation.count());
+        self.explains_training(policy) && self.chi2_validation() < validation
+    }
+
     /// The information criterion plus the sum of squares of the recordings that were never fitted.
     pub fn total_criterion(&self) -> f64 {
         self.bic() + self.validation.total()
@@ -177,6 +189,16 @@ impl Hypothesis {
     pub fn estimate(&self, full: &str) -> Option<(f64, f64)> {
         let k = self.plan.free.iter().position(|f| f.targets.iter().any(|t| t == full))?;
         Some((self.values[k], self.errors[k]))
+    }
+
+    /// True if a fitted parameter is at a bound that it may not cross; its error then says nothing.
+    pub fn is_at_bound(&self, full: &str) -> bool {
+        let fitted = self.plan.free.iter().zip(&self.values);
+        let own = fitted.into_iter().find(|(f, _)| f.targets.iter().any(|t| t == full));
+        own.is_some_and(|(free, value)| {
+            let is_near = |bound: f64| (value - bound).abs() <= 1e-6 * bound.abs().max(value.abs());
+            free.min.is_some_and(is_near) || free.max.is_some_and(is_near)
+        })
     }
 
     /// Bayesian information criterion: sum of squares plus a penalty for each parameter.

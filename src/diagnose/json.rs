@@ -6,9 +6,10 @@ use crate::io::json::Json;
 
 use super::balance::Balance;
 use super::catalogue::Effect;
+use super::grade::grade;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::next_experiment::{ConditionValue, Gain, NextExperiment};
-use super::result::{Verdict, rmse_of, sentences, unit};
+use super::result::{Verdict, law, rmse_of, sentences, unit};
 use super::rivals::{Sensor, rivals};
 use super::run::Outcome;
 use super::study::Study;
@@ -38,7 +39,11 @@ pub fn json(outcome: &Outcome, amended_model: Option<&str>, seconds: f64) -> Str
         Verdict::Complete | Verdict::EffectFound => (groups(&after.effects).count(), 0),
     };
     let effects = groups(&after.effects).take(found);
-    let effects = effects.map(|g| effect_json(catalogue, after, g, Vec::new()));
+    let graded = |g| {
+        let grade = grade(outcome, g).map_or(Json::null(), |g| Json::text(g.name()));
+        effect_json(catalogue, after, g, vec![("grade", grade)])
+    };
+    let effects = effects.map(graded);
     let alternatives = (0..partial).map(|k| alternative(after, k)).chain(rejected);
     let noise = diagnosis.noise.factors(study).into_iter();
     let members = [
@@ -60,12 +65,15 @@ pub fn json(outcome: &Outcome, amended_model: Option<&str>, seconds: f64) -> Str
     Json::object(members).pretty()
 }
 
-/// An effect and its place.
+/// An effect, its place and its law.
 fn named(effects: &[Effect], group: &[ChosenEffect]) -> Json {
+    let effect = &effects[group[0].effect];
     let at = group.iter().flat_map(|c| c.place.at.iter());
     Json::object([
-        ("component", Json::text(component(&effects[group[0].effect]))),
+        ("component", Json::text(component(effect))),
         ("at", Json::list(at.map(|a| Json::text(a.clone())))),
+        ("over", Json::list(over(effect, group).into_iter().map(Json::text))),
+        ("law", Json::text(law(effect, &group[0]))),
     ])
 }
 
@@ -95,6 +103,7 @@ fn effect_json(
                 ("value", Json::number(value)),
                 ("stderr", Json::number(error)),
                 ("unit", Json::text(unit(effect, name))),
+                ("at_bound", Json::flag(hypothesis.is_at_bound(&full))),
             ];
             let several = group.len() > 1;
             let shown =
@@ -107,7 +116,7 @@ fn effect_json(
         ("component", Json::text(component(effect))),
         ("at", Json::list(at.map(|a| Json::text(a.clone())))),
         ("over", Json::list(over(effect, group).into_iter().map(Json::text))),
-        ("law", Json::text(effect.law.as_str())),
+        ("law", Json::text(law(effect, &group[0]))),
         ("parameters", Json::object(parameters)),
         ("explains", Json::text(sentences(effects, group).join(" "))),
     ];

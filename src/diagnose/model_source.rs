@@ -1,6 +1,7 @@
 //! The source of a model with effects attached.
 
 use crate::calibrate::modification::{Tree, parts};
+use crate::calibrate::plan::RECORDING_NUMBER;
 
 use super::adapter::Adapters;
 use super::catalogue::Effect;
@@ -123,6 +124,11 @@ impl Extension<'_> {
             out.push_str("(\n");
             modifications.print(4, &mut out);
             out.push_str("  );\n");
+        }
+        let is_number = |(_, variable): &(String, String)| variable == RECORDING_NUMBER;
+        if attached.iter().any(|a| a.place.binds.iter().any(is_number)) {
+            let about = "Number of the recording, 1 for the first";
+            out.push_str(&format!("  parameter Real {RECORDING_NUMBER} = 1 \"{about}\";\n"));
         }
         let mut classes: Vec<&str> = components
             .iter()

@@ -11,6 +11,7 @@ use crate::base::diag::Problems;
 use crate::calibrate::data::{Recording, Split};
 use crate::calibrate::parallel;
 use crate::calibrate::plan::Condition;
+use crate::calibrate::plan::RECORDING_NUMBER;
 use crate::calibrate::problem::Problem;
 use crate::calibrate::statistics::standard_errors;
 use crate::numeric::halton::Halton;
@@ -222,7 +223,9 @@ fn candidates(study: &Study) -> Option<Vec<Recording>> {
         .enumerate()
         .map(|(k, _)| Range::new(study.data.recordings.iter().map(|r| r.conditions[k])))
         .collect();
-    let varied: Vec<usize> = (0..ranges.len()).filter(|k| ranges[*k].values.len() > 1).collect();
+    let is_set = |k: &usize| study.plan.conditions[*k].parameter != RECORDING_NUMBER;
+    let varied: Vec<usize> =
+        (0..ranges.len()).filter(|k| is_set(k) && ranges[*k].values.len() > 1).collect();
     if varied.is_empty() {
         return None;
     }

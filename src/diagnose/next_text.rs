@@ -4,13 +4,18 @@ use crate::calibrate::table::rmse_shown;
 
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::next_experiment::{Gain, NextExperiment};
-use super::rivals::Sensor;
+use super::rivals::{Sensor, rivals};
 use super::run::Outcome;
 use super::study::Study;
 
 /// Lines about the effects that cannot be told apart, the sensors that would tell them apart and the next experiment.
 pub fn lines(outcome: &Outcome) -> Vec<String> {
-    let mut out: Vec<String> = outcome.sensors.iter().map(sensor).collect();
+    let rivals = rivals(&outcome.study, &outcome.diagnosis);
+    let mut out: Vec<String> = rivals
+        .iter()
+        .map(|h| format!("the recordings support as well: {}", label(&outcome.study, h)))
+        .collect();
+    out.extend(outcome.sensors.iter().map(sensor));
     match &outcome.next {
         None => {}
         Some(None) => out.push(

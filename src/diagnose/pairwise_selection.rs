@@ -10,14 +10,14 @@ use super::hypothesis::Hypothesis;
 use super::linearise::{Linearisation, Linearised};
 use super::rank::{Candidate, Scored};
 use super::result::Diagnosis;
-use super::revise::{accept_first_better, is_resolved};
+use super::revise::accept_first_better;
 use super::search::Search;
 use super::study::Study;
 
 /// Adds two effects at once if one leaves something to explain.
 pub fn pairwise_selection(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     let ranking = diagnosis.rankings.first().cloned().unwrap_or_default();
-    if !is_resolved(search, &diagnosis.after) && search.may_continue() {
+    if !diagnosis.after.is_resolved(search.policy()) && search.may_continue() {
         pairwise_selection_from(search, diagnosis, &diagnosis.before.clone(), &ranking);
     }
 }
@@ -67,7 +67,7 @@ pub fn pairs(search: &Search<'_>, hypothesis: &Hypothesis, ranking: &[Scored]) -
     all.sort_by(|a, b| b.bic_gain.total_cmp(&a.bic_gain));
     let mut used = vec![0; ranking.len()];
     let mut known = FastSet::default();
-    let mut best = Vec::new();
+    let (mut best, mut kept) = (Vec::new(), Vec::new());
     for Pair { members: [i, j], amplitudes, bic_gain } in all {
         let (first, second) = (&members[i], &members[j]);
         let numbers = [first.number, second.number];
@@ -76,9 +76,17 @@ pub fn pairs(search: &Search<'_>, hypothesis: &Hypothesis, ranking: &[Scored]) -
         {
             continue;
         }
-        if !known.insert(numbers) {
+        // Connectors of one potential are places that cannot be told apart.
+        let is_repeated = kept.iter().any(|[i, j]: &[usize; 2]| {
+            let same = |a: usize, b: &Member<'_>| {
+                members[a].best.promises_as(b.best) && members[a].scored.shape == b.scored.shape
+            };
+            same(*i, first) && same(*j, second) || same(*i, second) && same(*j, first)
+        });
+        if !known.insert(numbers) || is_repeated {
             continue;
         }
+        kept.push([i, j]);
         numbers.iter().for_each(|n| used[*n] += 1);
         let per_place = study.effects[first.scored.effect].amplitudes.len();
         let (of_first, of_second) = amplitudes.split_at(first.candidates.len() * per_place);

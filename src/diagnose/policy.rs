@@ -19,6 +19,9 @@ pub struct SearchPolicy {
     pub resolved_train: f64,
     /// The same for recordings that were never fitted. Default 1.1.
     pub resolved_validation: f64,
+    /// Standard deviations of the reduced sum of pure noise that those limits exceed 1 by at least: with few samples,
+    /// noise alone exceeds them. Default 2.
+    pub resolved_deviations: f64,
     /// Share of the excess of the validation sum over 1 that effects must explain for the verdict
     /// `effect_found`, unless they explain everything. Default 0.9.
     pub explained_share: f64,
@@ -41,6 +44,8 @@ pub struct SearchPolicy {
     /// Places in one model of a score test. Default 48. More places per model cost fewer runs, each of
     /// which propagates more derivatives.
     pub batch: usize,
+    /// The same for the smallest models. Default 12.
+    pub least_batch: usize,
     /// Instants of recordings for a score test or a short fit. Default 10 000.
     pub score_instants: usize,
     /// Instants that suffice to preselect candidates for that test. Default 3000.
@@ -83,8 +88,8 @@ pub struct SearchPolicy {
     /// When a short fit stops. Default: a predicted decrease of 1e-3 of the sum, or 10 steps.
     pub short_fit: Stopping,
     /// Shares of the promised amplitudes that are tried as the start of a short fit, since the score is
-    /// linear and overshoots. Default 1, 0.5, 0.2, 0.07, 0.02.
-    pub start_shares: [f64; 5],
+    /// linear and overshoots. Default 1, 0.5, 0.2, 0.07, 0.02 and 0, where nothing is worse than without the effect.
+    pub start_shares: [f64; 6],
     /// Short fits that are continued to convergence. Default 3.
     pub long_fits: usize,
     /// A short fit is continued only if its excess over 1 is within this factor of the least. Default 2.
@@ -96,6 +101,9 @@ pub struct SearchPolicy {
     pub leading_share: f64,
     /// Excess of the reduced sum that such a fit may leave in any case. Default 0.3.
     pub leading_excess: f64,
+    /// Beside such a fit, a short fit whose sum of squares still exceeds its own by this factor after a few steps is given
+    /// up. Default 4.
+    pub trailing_factor: f64,
     /// Reduced sum without effects above which short fits begin at the plan's values as well: a large effect
     /// has dragged the calibrated ones far away. Default 5.
     pub large_effect_above: f64,
@@ -113,17 +121,18 @@ pub struct SearchPolicy {
 
     /// Effects with at least this many amplitudes are free curves; the others are parametric. Default 4.
     pub curve_amplitudes: usize,
-    /// A parametric effect is preferred to a free curve if it explains this share of what the curve explains.
+    /// A parametric effect is preferred to a free curve that leaves more than `resolved_validation` if it explains this
+    /// share of what the curve explains.
     /// Default 0.95.
     pub parametric_share: f64,
     /// But not if its sum of squares, of the fitted recordings or of the others, exceeds that of the curve by this
     /// factor. Default 5.
     pub parametric_factor: f64,
-    /// If the curve leaves nothing to explain, the reduced sum of the parametric effect may exceed 1 by this.
-    /// Default 0.1.
-    pub parametric_excess: f64,
+    /// Where much is left to explain, an effect of the machine is preferred to one of a sensor or an actuator if its
+    /// criterion is larger by at most this share. Default 0.1.
+    pub instrument_share: f64,
 
-    /// Formulas that are fitted in the place of a free curve. Default 6.
+    /// Formulas that are fitted in the place of a free curve. Default 7.
     pub fitted_formulas: usize,
 
     /// Candidates from which pairs are formed. Default 120. The number of pairs grows with its square.
@@ -143,8 +152,25 @@ pub struct SearchPolicy {
     /// Default 0.25.
     pub alternative_promise: f64,
     /// Excess, as a share of the excess without effects, up to which an alternative is fitted to
-    /// convergence after a short fit. Default 0.05.
+    /// convergence after a short fit. Default 0.02.
     pub alternative_excess: f64,
+}
+
+impl SearchPolicy {
+    /// Reduced sum of the training recordings below which nothing is left to explain, for a number of samples.
+    pub fn train_limit(&self, samples: usize) -> f64 {
+        self.resolved_train.max(1.0 + self.noise_of_sum(samples))
+    }
+
+    /// The same for recordings that were never fitted.
+    pub fn validation_limit(&self, samples: usize) -> f64 {
+        self.resolved_validation.max(1.0 + self.noise_of_sum(samples))
+    }
+
+    /// What noise adds to a reduced sum: its variance is 2/n for n independent samples.
+    fn noise_of_sum(&self, samples: usize) -> f64 {
+        self.resolved_deviations * (2.0 / samples.max(1) as f64).sqrt()
+    }
 }
 
 impl Default for SearchPolicy {
@@ -153,6 +179,7 @@ impl Default for SearchPolicy {
             fit: FitPolicy::default(),
             resolved_train: 1.03,
             resolved_validation: 1.1,
+            resolved_deviations: 2.0,
             explained_share: 0.9,
             explained_limit: 3.0,
             evidence: 30.0,
@@ -160,6 +187,7 @@ impl Default for SearchPolicy {
             noticeable_noise: 0.05,
             noise_errors: 4.0,
             batch: 48,
+            least_batch: 12,
             score_instants: 10_000,
             preselection_instants: 3_000,
             preselected: 64,
@@ -177,12 +205,13 @@ impl Default for SearchPolicy {
             weak_below: 10.0,
             escaped_share: 0.7,
             short_fit: Stopping { decrease: 1e-3, step: 1e-5, iterations: 10, reach: 1.0 },
-            start_shares: [1.0, 0.5, 0.2, 0.07, 0.02],
+            start_shares: [1.0, 0.5, 0.2, 0.07, 0.02, 0.0],
             long_fits: 3,
             long_fit_factor: 2.0,
             most_share: 0.5,
             leading_share: 0.98,
             leading_excess: 0.3,
+            trailing_factor: 4.0,
             large_effect_above: 5.0,
             hopeless_factor: 2.0,
             local_minimum_above: 0.1,
@@ -191,8 +220,8 @@ impl Default for SearchPolicy {
             curve_amplitudes: 4,
             parametric_share: 0.95,
             parametric_factor: 5.0,
-            parametric_excess: 0.1,
-            fitted_formulas: 6,
+            instrument_share: 0.1,
+            fitted_formulas: 7,
             pair_candidates: 120,
             fitted_pairs: 8,
             pairs_per_member: 3,
@@ -200,7 +229,7 @@ impl Default for SearchPolicy {
             alternatives: 3,
             alternative_share: 0.7,
             alternative_promise: 0.25,
-            alternative_excess: 0.05,
+            alternative_excess: 0.02,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The order of preference among fitted hypotheses.
 
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{ChosenEffect, Hypothesis};
 use super::search::Search;
 use super::study::Study;
 
@@ -16,22 +16,27 @@ pub fn sort_by_preference(
 ) {
     let (study, policy) = (search.study, search.policy());
     hypotheses.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
-    // A sensor is blamed only if no effect on the measured machine explains as much: an effect in proportion
-    // to a pressure is also a scale error of its sensor.
-    let of_sensor = ends_with_sensor;
-    if let Some(sensor) = hypotheses.first().filter(|h| of_sensor(h)) {
-        let as_good = criterion(sensor) + policy.evidence;
-        let machine = |h: &Hypothesis| !of_sensor(h) && criterion(h) < as_good;
+    // An instrument is blamed only if no effect on the measured machine explains as much: an effect in proportion
+    // to a pressure is also a scale error of its sensor. Where much is left, small differences mean little, except to
+    // a parameter that varies, which follows what any other effect leaves.
+    let of_instrument = |h: &Hypothesis| ends_with_instrument(study, h);
+    let varies = |h: &Hypothesis| ends_with_variation(study, h);
+    if let Some(instrument) = hypotheses.first().filter(|h| of_instrument(h)) {
+        let least = criterion(instrument);
+        let margin = |h: &Hypothesis| match instrument.chi2_train() < policy.resolved_validation {
+            false if !varies(h) => policy.evidence.max(policy.instrument_share * least),
+            _ => policy.evidence,
+        };
+        let machine = |h: &Hypothesis| !of_instrument(h) && criterion(h) < least + margin(h);
         if let Some(k) = hypotheses.iter().position(machine) {
             hypotheses[..=k].rotate_right(1);
         }
     }
     // A parameter that varies is a finding without a name: a named law comes first if it explains as much.
-    let varies = |h: &Hypothesis| ends_with_variation(study, h);
     if let Some(variation) = hypotheses.first().filter(|h| varies(h)) {
         let as_good = criterion(variation) + policy.evidence;
         let named = |h: &Hypothesis| {
-            !varies(h) && !of_sensor(h) && !ends_with_curve(study, h) && criterion(h) < as_good
+            !varies(h) && !of_instrument(h) && !ends_with_curve(study, h) && criterion(h) < as_good
         };
         if let Some(k) = hypotheses.iter().position(named) {
             hypotheses[..=k].rotate_right(1);
@@ -40,15 +45,21 @@ pub fn sort_by_preference(
     let Some(curve) = hypotheses.first().filter(|h| ends_with_curve(study, h)) else { return };
     let explained = |h: &Hypothesis| from.train.total() - h.train.total();
     let wanted = policy.parametric_share * explained(curve);
-    let curve_resolves = curve.chi2_train() < policy.resolved_train;
     let limit = policy.parametric_factor * curve.train.total();
-    let nearly_as_good = |h: &Hypothesis| {
-        explained(h) > wanted
-            && h.train.total() < limit
-            && h.validation.total() <= policy.parametric_factor * curve.validation.total()
-            && (!curve_resolves || h.chi2_train() < 1.0 + policy.parametric_excess)
+    // Where the curve leaves hardly more than noise, what a named law leaves more of is evidence against it; elsewhere
+    // the curve describes drift and rounding as well.
+    let is_near_noise =
+        curve.chi2_train().max(curve.chi2_validation()) < policy.resolved_validation;
+    let as_good = criterion(curve) + policy.evidence;
+    let nearly_as_good = |h: &Hypothesis| match is_near_noise {
+        true => criterion(h) < as_good || h.is_resolved(policy),
+        false => {
+            explained(h) > wanted
+                && h.train.total() < limit
+                && h.validation.total() <= policy.parametric_factor * curve.validation.total()
+        }
     };
-    let is_parametric = |h: &Hypothesis| !ends_with_curve(study, h) && !of_sensor(h);
+    let is_parametric = |h: &Hypothesis| !ends_with_curve(study, h) && !of_instrument(h);
     if let Some(k) = hypotheses.iter().position(|h| is_parametric(h) && nearly_as_good(h)) {
         hypotheses[..=k].rotate_right(1);
     }
@@ -57,6 +68,12 @@ pub fn sort_by_preference(
 /// True if the last added effect acts on a sensor.
 pub fn ends_with_sensor(hypothesis: &Hypothesis) -> bool {
     hypothesis.effects.last().is_some_and(|c| c.place.signal.is_some())
+}
+
+/// True if the last added effect acts on a sensor or an actuator.
+pub fn ends_with_instrument(study: &Study, hypothesis: &Hypothesis) -> bool {
+    let acts = |c: &ChosenEffect| study.effects[c.effect].acts.is_some();
+    ends_with_sensor(hypothesis) || hypothesis.effects.last().is_some_and(acts)
 }
 
 /// True if the last added effect lets a parameter vary.

@@ -101,7 +101,49 @@ pub fn rank_instead(
     rank_those(search, hypothesis, Some(replaced), filter)
 }
 
+/// Parameters and variables over which a free curve of the parameter is scored: those with the best straight lines.
+const CURVED_VARIATIONS: usize = 8;
+
 fn rank_those(
+    search: &Search<'_>,
+    hypothesis: &Hypothesis,
+    replaced: Option<&Hypothesis>,
+    filter: &Filter<'_>,
+) -> Vec<Scored> {
+    let effects = &search.study.effects;
+    let is_curve = |k: usize| effects[k].varies.is_some() && search.study.is_curve(k);
+    let mut best =
+        scored(search, hypothesis, replaced, &|k, place| !is_curve(k) && filter(k, place));
+    // A parameter that varies along a curve has some slope as well.
+    let mut lines: Vec<&Scored> =
+        best.iter().filter(|s| effects[s.effect].varies.is_some() && s.gain > 0.0).collect();
+    lines.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let single = &search.study.variations.parameters[..search.study.variations.single];
+    let curved: Vec<Place> = lines
+        .into_iter()
+        .map(|s| s.place.clone())
+        .filter(|place| single.contains(&place.at))
+        .take(CURVED_VARIATIONS)
+        .collect();
+    let is_sloped = |place: &Place| {
+        let over = |p: &Place| p.binds.first().map(|(_, variable)| variable.clone());
+        curved.iter().any(|line| line.at == place.at && over(line) == over(place))
+    };
+    best.extend(scored(search, hypothesis, replaced, &|k, place| {
+        is_curve(k) && is_sloped(place) && filter(k, place)
+    }));
+    if replaced.is_none() {
+        best.extend(scored_choices(search, hypothesis));
+    }
+    for scored in &mut best {
+        scored.others.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    }
+    best.sort_by(|a, b| b.bic_gain(hypothesis).total_cmp(&a.bic_gain(hypothesis)));
+    best
+}
+
+/// Scores those that `filter` admits, in no order.
+fn scored(
     search: &Search<'_>,
     hypothesis: &Hypothesis,
     replaced: Option<&Hypothesis>,
@@ -137,13 +179,6 @@ fn rank_those(
         }
         known.others.push(scored);
     }
-    if replaced.is_none() {
-        best.extend(scored_choices(search, hypothesis));
-    }
-    for scored in &mut best {
-        scored.others.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    }
-    best.sort_by(|a, b| b.bic_gain(hypothesis).total_cmp(&a.bic_gain(hypothesis)));
     best
 }
 
@@ -177,28 +212,31 @@ fn score_some(
     let batches = batches(search.study, candidates, selected);
     let (some, runs) = (selected.len(), batches.len());
     search.note(&format!("scoring {some} candidates in {runs} runs"));
-    batches.iter().for_each(|batch| score_batch(search.study, linearisation, batch, trials));
+    batches.iter().for_each(|batch| score_batch(search, linearisation, batch, trials));
 }
 
 /// Scores the trials that consist of candidates of this batch alone. If the batch cannot be simulated, each
 /// half is scored by itself, so that one candidate does not prevent the others.
 fn score_batch(
-    study: &Study,
+    search: &Search<'_>,
     linearisation: &Linearisation<'_>,
     batch: &[usize],
     trials: &mut [Trial],
 ) {
+    if search.is_cancelled() {
+        return;
+    }
     let Some(linearised) = linearisation.with(batch) else {
         let half = batch.len() / 2;
         if half > 0 {
             let (left, right) = batch.split_at(half);
-            score_batch(study, linearisation, left, trials);
-            score_batch(study, linearisation, right, trials);
+            score_batch(search, linearisation, left, trials);
+            score_batch(search, linearisation, right, trials);
         }
         return;
     };
     for Trial { scored, candidates } in trials {
-        if let Some(score) = linearised.score(study, &[(scored.effect, candidates)]) {
+        if let Some(score) = linearised.score(search.study, &[(scored.effect, candidates)]) {
             scored.gain = score.gain.min(linearisation.max_gain());
             scored.validation_gain = linearised.validation_gain(&score);
             scored.amplitudes = score.amplitudes;
@@ -279,7 +317,7 @@ fn batches(study: &Study, candidates: &[Candidate], selected: &[usize]) -> Vec<V
         let alone = study.effects[effect].built_in;
         let fits = |b: &&mut Vec<usize>| {
             let clash = alone && b.iter().any(|i| candidates[*i].effect == effect);
-            b.len() + block.len() <= study.policy.batch && !clash
+            b.len() + block.len() <= study.batch() && !clash
         };
         match batches.iter_mut().find(fits) {
             Some(batch) => batch.extend(block),

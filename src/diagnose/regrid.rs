@@ -1,7 +1,6 @@
 //! New knots for a free curve: those of the score test lie in the range that its variable covers without the
 //! effect, and a large effect changes that range.
 
-use super::formula::FreeCurve;
 use super::hypothesis::{ChosenEffect, Hypothesis};
 use super::search::Search;
 use super::shape_parameters::{ranges, ranges_of, shapes};
@@ -10,13 +9,17 @@ use super::shape_parameters::{ranges, ranges_of, shapes};
 const MOVED: f64 = 0.05;
 
 /// The hypothesis with the knots of its last effect, a free curve, in the range that its variable covers now; the
-/// values there start on the old curve. `None` if the knots may stay where they are. Not fitted again.
+/// values there start on the old curve. `None` if the knots may stay where they are, or if that range is not known. Not fitted
+/// again.
 pub fn regridded(search: &Search<'_>, hypothesis: &Hypothesis) -> Option<Hypothesis> {
     let study = search.study;
     let chosen = hypothesis.effects.last()?;
     let effect = &study.effects[chosen.effect];
     let curve = effect.curve.as_ref()?;
     let found = ranges(study, hypothesis, &[(chosen.effect, chosen.place.clone())]);
+    if found.is_empty() {
+        return None;
+    }
     let range = |variable: &str| ranges_of(&found, chosen.effect, &chosen.place, variable);
     let shape = shapes(effect, range).into_iter().next()?;
     let ends = |values: &[(String, f64)]| {
@@ -35,12 +38,13 @@ pub fn regridded(search: &Search<'_>, hypothesis: &Hypothesis) -> Option<Hypothe
         .iter()
         .map(|a| Some(hypothesis.estimate(&chosen.full_name(&a.name))?.0))
         .collect();
-    let known = on_curve(curve, &curve.places(n, old), &values?);
+    let known = on_curve(curve.fixed_point(old.0), &curve.places(n, old), &values?);
+    let anchor = if curve.is_anchored { interpolated(&known, new.0) } else { 0.0 };
     let mut moved = hypothesis.clone();
     for (a, x) in effect.amplitudes.iter().zip(curve.places(n, new)) {
         let full = chosen.full_name(&a.name);
         let free = moved.plan.free.iter_mut().find(|f| f.name == full)?;
-        free.start = Some(interpolated(&known, x));
+        free.start = Some(interpolated(&known, x) - anchor);
     }
     let last: &mut ChosenEffect = moved.effects.last_mut()?;
     for (name, value) in &mut last.fixed {
@@ -52,9 +56,8 @@ pub fn regridded(search: &Search<'_>, hypothesis: &Hypothesis) -> Option<Hypothe
 }
 
 /// The points of a curve.
-fn on_curve(curve: &FreeCurve, places: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
-    let zero = curve.is_zero_at_zero.then_some((0.0, 0.0));
-    zero.into_iter().chain(places.iter().copied().zip(values.iter().copied())).collect()
+fn on_curve(fixed: Option<(f64, f64)>, places: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
+    fixed.into_iter().chain(places.iter().copied().zip(values.iter().copied())).collect()
 }
 
 /// A value between points, or that of the nearest end.
@@ -73,8 +76,7 @@ mod tests {
 
     #[test]
     fn new_values_lie_on_the_old_curve() {
-        let curve = FreeCurve { is_zero_at_zero: true, ..FreeCurve::default() };
-        let points = on_curve(&curve, &[1.0, 2.0], &[10.0, 40.0]);
+        let points = on_curve(Some((0.0, 0.0)), &[1.0, 2.0], &[10.0, 40.0]);
         let values = [0.5, 1.5, 2.0, 9.0].map(|x| interpolated(&points, x));
         assert_eq!(values, [5.0, 25.0, 40.0, 40.0]);
     }

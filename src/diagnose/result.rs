@@ -1,6 +1,7 @@
 //! The result of a diagnosis: hypotheses with and without effects, and the verdict.
 
 use crate::calibrate::data::{Data, Split};
+use crate::calibrate::sums::Sums;
 
 use super::catalogue::Effect;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
@@ -38,13 +39,15 @@ impl Diagnosis {
     pub fn verdict(&self, policy: &SearchPolicy) -> Verdict {
         let (before, after) = (self.before.chi2_validation(), self.after.chi2_validation());
         let left = after.max(self.after.chi2_train());
+        let limit = |sums: &Sums| policy.validation_limit(sums.count());
         if self.after.effects.is_empty() {
             let limit = 1.0 + 2.0 * (policy.resolved_train - 1.0);
             let complete = self.before.chi2_train() < limit || self.noise.is_all();
             return if complete { Verdict::Complete } else { Verdict::Unexplained };
         }
         let explained = (before - after) / (before - 1.0).max(f64::MIN_POSITIVE);
-        let resolved = left < policy.resolved_validation;
+        let resolved = self.after.chi2_train() < limit(&self.after.train)
+            && after < limit(&self.after.validation);
         if resolved
             || self.noise.is_all()
             || explained >= policy.explained_share && left < policy.explained_limit
@@ -101,7 +104,10 @@ pub fn sentences(effects: &[Effect], chosen: &[ChosenEffect]) -> Vec<String> {
             group.iter().flat_map(|c| c.place.at.iter().map(String::as_str)).collect();
         let over = group[0].place.binds.first().map_or("", |(_, variable)| variable);
         let sentence = effects[group[0].effect].explains.replace("%at", &at.join(", "));
-        sentence.replace("%over", over)
+        let sentence = sentence.replace("%over", over);
+        let (general, own) =
+            (&effects[group[0].effect].law, law(&effects[group[0].effect], &group[0]));
+        if general.is_empty() { sentence } else { sentence.replace(general.as_str(), &own) }
     };
     groups(chosen).map(one).collect()
 }
@@ -117,6 +123,49 @@ pub fn estimates(effects: &[Effect], hypothesis: &Hypothesis) -> Vec<(String, f6
         Some((name, value, error, unit))
     };
     names.filter_map(one).collect()
+}
+
+/// The formula of an effect's law: the variables that it depends on by their names in the model, and the values of
+/// parameters that were not fitted.
+pub fn law(effect: &Effect, chosen: &ChosenEffect) -> String {
+    let value = |word: &str| -> Option<String> {
+        let bound = chosen.place.binds.iter().find(|(own, _)| own == word);
+        if let Some((_, variable)) = bound.filter(|_| effect.varies.is_some()) {
+            return Some(variable.clone());
+        }
+        let is_fitted = chosen.fitted.iter().any(|name| name == word);
+        let fixed = chosen.fixed.iter().find(|(name, _)| name == word && !is_fitted);
+        fixed
+            .filter(|_| effect.varies.is_some() || effect.formula.is_some())
+            .map(|(_, v)| shown(*v))
+    };
+    // What is counted from zero is itself.
+    let mut text = effect.law.clone();
+    for (name, _) in chosen.fixed.iter().filter(|(_, v)| *v == 0.0) {
+        for variable in name.strip_suffix("_m").into_iter().chain(name.strip_suffix("_lo")) {
+            text = text.replace(&format!("({variable} - {name})"), variable);
+            text = text.replace(&format!("({variable}_hi - {name})"), &format!("{variable}_hi"));
+        }
+    }
+    let mut out = String::new();
+    let mut rest = text.as_str();
+    let in_word = |c: char| c.is_alphanumeric() || c == '_';
+    while let Some(c) = rest.chars().next() {
+        let length = match in_word(c) {
+            true => rest.find(|c| !in_word(c)).unwrap_or(rest.len()),
+            false => c.len_utf8(),
+        };
+        let (word, left) = rest.split_at(length);
+        out.push_str(&value(word).unwrap_or_else(|| word.to_owned()));
+        rest = left;
+    }
+    out
+}
+
+/// A value with four digits.
+fn shown(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    if rounded < 0.0 { format!("({rounded})") } else { format!("{rounded}") }
 }
 
 /// The unit of an effect's parameter.
@@ -135,4 +184,35 @@ pub fn rmse_of(
     let sums = hypothesis.sums(split);
     let belongs: Vec<bool> = data.of(split).map(|r| r.of == recording).collect();
     sums.of_part(signal, |i| belongs.get(i).copied().unwrap_or(true)) * data.sigmas[signal]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::place::Place;
+    use super::*;
+
+    #[test]
+    fn a_law_names_the_variables_of_the_model() {
+        let effect = Effect {
+            law: "1 + A |((x - x_m)/x_0)|^exponent".into(),
+            varies: Some("factor".into()),
+            ..Effect::default()
+        };
+        let chosen = ChosenEffect {
+            effect: 0,
+            place: Place {
+                binds: vec![("x".into(), "arm.w".into())],
+                ..Place::at(&["d".to_owned()])
+            },
+            name: "variation".into(),
+            prefix: "variation".into(),
+            fixed: vec![("x_m".into(), -2.0), ("x_0".into(), 20.0), ("A".into(), 3.0)],
+            fitted: vec!["A".into(), "exponent".into()],
+            group: 0,
+        };
+        assert_eq!(law(&effect, &chosen), "1 + A |((arm.w - (-2))/20)|^exponent");
+        let mut from_zero = chosen;
+        from_zero.fixed[0].1 = 0.0;
+        assert_eq!(law(&effect, &from_zero), "1 + A |(arm.w/20)|^exponent");
+    }
 }

@@ -19,7 +19,7 @@ use super::search::{Search, accept};
 /// If effects leave something to explain: pairs from the fitted parameters, then each effect swapped for
 /// another beside the rest.
 pub fn revise(search: &Search<'_>, diagnosis: &mut Diagnosis) {
-    if is_resolved(search, &diagnosis.after) || !search.may_continue() {
+    if diagnosis.after.is_resolved(search.policy()) || !search.may_continue() {
         return;
     }
     if let Some(stripped) = stripped(search, &diagnosis.after) {
@@ -39,7 +39,7 @@ pub fn revise(search: &Search<'_>, diagnosis: &mut Diagnosis) {
 fn swap_step(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     let number = groups(&diagnosis.after.effects).count();
     for k in 0..number {
-        let done = is_resolved(search, &diagnosis.after) || !search.may_continue();
+        let done = diagnosis.after.is_resolved(search.policy()) || !search.may_continue();
         let own = groups(&diagnosis.after.effects).nth(k);
         let Some(own) = own.filter(|_| number > 1 && !done) else { return };
         let names: Vec<String> = own.iter().map(|c| c.name.clone()).collect();
@@ -91,19 +91,17 @@ pub fn accept_instead(search: &Search<'_>, diagnosis: &mut Diagnosis, better: Hy
     }
 }
 
-/// True if nothing is left to explain, neither in training nor in validation.
-pub fn is_resolved(search: &Search<'_>, hypothesis: &Hypothesis) -> bool {
-    let policy = search.policy();
-    hypothesis.chi2_train() < policy.resolved_train
-        && hypothesis.chi2_validation() < policy.resolved_validation
-}
-
 /// Replaces several effects or a curve by a single parametric effect, or more than two effects by two, if that explains as
 /// much. If no effect was accepted, the best rejected one may still have led to better parameters.
 pub fn simplify(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     let policy = search.policy();
+    while let Some(k) = fewer_effects(search, diagnosis) {
+        let fewer = diagnosis.rejected.remove(k);
+        search.note("fewer effects explain as much");
+        accept_instead(search, diagnosis, fewer);
+    }
     let best_rejected = || diagnosis.rejected.iter().min_by(|a, b| a.bic().total_cmp(&b.bic()));
-    let is_explained = diagnosis.after.chi2_train() < policy.resolved_train;
+    let is_explained = diagnosis.after.explains_training(policy);
     let from = match diagnosis.after.effects.is_empty() {
         true if !is_explained => {
             best_rejected().filter(|h| h.bic() < diagnosis.after.bic() - policy.evidence)
@@ -119,12 +117,33 @@ pub fn simplify(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     }
 }
 
+/// Position of the best rejected hypothesis that explains as much with fewer effects.
+fn fewer_effects(search: &Search<'_>, diagnosis: &Diagnosis) -> Option<usize> {
+    let after = &diagnosis.after;
+    let number = groups(&after.effects).count();
+    let limit = after.total_criterion() + search.policy().evidence;
+    // A curve explains what several laws do, and names none of them.
+    let curves = |h: &Hypothesis| {
+        let is_curve = |c: &&ChosenEffect| search.study.is_curve(c.effect);
+        h.effects.iter().filter(is_curve).count()
+    };
+    let explains = |h: &Hypothesis| {
+        let own = groups(&h.effects).count();
+        let is_named = curves(h) <= curves(after);
+        let is_fewer = own > 0 && own < number && is_named;
+        is_fewer && h.total_criterion() < limit && h.is_determined(search.study)
+    };
+    let all = diagnosis.rejected.iter().enumerate().filter(|(_, h)| explains(h));
+    let best = all.min_by(|a, b| a.1.total_criterion().total_cmp(&b.1.total_criterion()));
+    best.map(|(k, _)| k)
+}
+
 /// Compares a single parametric effect that leaves nothing to explain with its alternatives: from its parameters, which
 /// are close to the true ones, the scores discriminate better than at the first attempt.
 pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     let policy = search.policy();
     let current = diagnosis.after.clone();
-    let explained = current.chi2_train() < policy.resolved_train && !current.effects.is_empty();
+    let explained = current.explains_training(policy) && !current.effects.is_empty();
     if !explained || is_complex(search, &current) || !search.may_continue() {
         return;
     }
@@ -265,7 +284,7 @@ fn stripped(search: &Search<'_>, from: &Hypothesis) -> Option<Hypothesis> {
 }
 
 /// The start itself in place of a fit.
-fn not_fitted(problem: &mut Problem<'_>) -> Option<Fit> {
+pub fn not_fitted(problem: &mut Problem<'_>) -> Option<Fit> {
     let x = problem.start();
     let normal = problem.normal(&x).ok()?;
     Some(Fit { x, normal, iterations: 0, converged: true, beyond: None })

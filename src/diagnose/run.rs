@@ -76,6 +76,11 @@ impl Outcome {
     pub fn verdict(&self) -> Verdict {
         self.diagnosis.verdict(&self.study.policy)
     }
+
+    /// True if the effects that were found explain the misfit.
+    pub fn is_explained(&self) -> bool {
+        self.verdict() == Verdict::EffectFound
+    }
 }
 
 /// Why a run has no outcome.
@@ -106,7 +111,8 @@ pub fn run(
     observer.start(&session.problems, &session.sources).map_err(CalibrationError::Refused)?;
     let mut diagnosis = diagnose(&study, observer)?;
     let corrections = diagnosis.noise.corrections(&study.policy);
-    if let Some(factors) = corrections.filter(|_| !diagnosis.noise.is_all()) {
+    let is_complete = diagnosis.noise.is_all() && diagnosis.after.effects.is_empty();
+    if let Some(factors) = corrections.filter(|_| !is_complete) {
         study.correct_noise(factors);
         diagnosis = diagnose(&study, observer)?;
     }

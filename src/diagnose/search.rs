@@ -13,9 +13,11 @@ use crate::calibrate::fit::{self, quick_fit};
 use crate::calibrate::observer::{Event, Observer};
 
 use super::backward_elimination::eliminated;
+use super::effective_evidence::eliminate_unsupported;
 use super::formula_fit::replace_curves;
 use super::forward_selection::forward_selection;
 use super::hypothesis::{Hypothesis, groups, plan_without_effects};
+use super::merge::merge_variations;
 use super::noise::noise;
 use super::pairwise_selection::pairwise_selection;
 use super::place::Place;
@@ -65,6 +67,11 @@ impl<'a> Search<'a> {
         !self.observer.is_cancelled()
     }
 
+    /// Whether the search is to end at once.
+    pub fn is_cancelled(&self) -> bool {
+        self.observer.is_cancelled()
+    }
+
     /// Whether another fit may begin.
     pub fn may_continue(&self) -> bool {
         let most = self.policy().max_steps * (self.generosity() as u64).pow(2);
@@ -85,6 +92,14 @@ impl<'a> Search<'a> {
         *count <= self.policy().fits_of_the_same
     }
 
+    /// True if a hypothesis leaves so little of what another leaves to explain that little can be better.
+    pub fn leads(&self, from: &Hypothesis, hypothesis: &Hypothesis) -> bool {
+        let policy = self.policy();
+        let excess = from.chi2_train() - 1.0;
+        let left = policy.leading_excess + (1.0 - policy.leading_share) * excess;
+        hypothesis.chi2_train() - 1.0 < left.min(excess)
+    }
+
     /// Tells the observer the best result so far.
     pub fn announce(&self, diagnosis: &Diagnosis) {
         self.observer.event(&Event::Best(&diagnosis.evidence(self.study)));
@@ -97,7 +112,7 @@ impl<'a> Search<'a> {
 }
 
 /// Searches for the effects that a model lacks. If the noise of some signals is to be corrected first, the result
-/// holds only the calibration and that noise.
+/// holds that noise, and no more than what was found until it showed.
 pub fn diagnose(study: &Study, observer: &dyn Observer) -> Result<Diagnosis, DiagnosisError> {
     let search = &Search::new(study, observer);
     let fit_policy = &search.policy().fit;
@@ -106,14 +121,15 @@ pub fn diagnose(study: &Study, observer: &dyn Observer) -> Result<Diagnosis, Dia
     })?;
     let noise = noise(study, &before);
     let is_correctable = study.corrections.is_empty();
-    if noise.explains_misfit(search.policy())
-        || (is_correctable && noise.corrections(search.policy()).is_some())
-    {
-        search.note("signals are white with another noise than the plan declares");
+    if noise.is_all() || (is_correctable && noise.corrections(search.policy()).is_some()) {
+        search.note("signals are white");
         return Ok(Diagnosis { noise, ..Diagnosis::new(before) });
     }
     let mut diagnosis = diagnose_from(search, before);
-    if diagnosis.after.chi2_train() >= search.policy().resolved_train && search.may_continue() {
+    if diagnosis.noise.is_all() {
+        return Ok(diagnosis);
+    }
+    if !diagnosis.after.explains_training(search.policy()) && search.may_continue() {
         // If no effect explains the data, the calibration may be in a local minimum.
         let thorough = Hypothesis::fitted(study, Vec::new(), study.plan.clone(), &mut |p| {
             fit::fit(p, fit_policy, &mut |_, _| search.on_step())
@@ -138,18 +154,47 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     search.announce(&diagnosis);
     let (usual, max) = (search.policy().usual_effects, search.policy().max_effects);
     forward_selection(search, &mut diagnosis, 0..1);
+    if has_other_noise(search, &mut diagnosis) {
+        return diagnosis;
+    }
+    // Beside an effect that explains nearly everything, a second one is closer at hand than a pair without it.
+    if search.leads(&diagnosis.before, &diagnosis.after) {
+        forward_selection(search, &mut diagnosis, 1..usual);
+    }
     pairwise_selection(search, &mut diagnosis);
     if groups(&diagnosis.after.effects).count() == 1 {
         forward_selection(search, &mut diagnosis, 1..usual);
+    }
+    if has_other_noise(search, &mut diagnosis) {
+        return diagnosis;
     }
     revise(search, &mut diagnosis);
     if groups(&diagnosis.after.effects).count() >= usual {
         forward_selection(search, &mut diagnosis, usual..max);
     }
+    merge_variations(search, &mut diagnosis);
     simplify(search, &mut diagnosis);
     replace_curves(search, &mut diagnosis);
+    eliminate_unsupported(search, &mut diagnosis);
     compare_alternatives(search, &mut diagnosis);
     diagnosis
+}
+
+/// True if the effects leave white residuals of another size than the plan declares: with its noise corrected, the search
+/// ends where nothing is left to explain. The diagnosis then holds that noise.
+fn has_other_noise(search: &Search<'_>, diagnosis: &mut Diagnosis) -> bool {
+    let after = &diagnosis.after;
+    let is_open = search.study.corrections.is_empty() && !after.effects.is_empty();
+    if !is_open || after.is_resolved(search.policy()) {
+        return false;
+    }
+    let noise = noise(search.study, after);
+    let differs = noise.explains_misfit(search.policy());
+    if differs {
+        search.note("the residuals are white, with another noise than the plan declares");
+        diagnosis.noise = noise;
+    }
+    differs
 }
 
 /// Accepts a better hypothesis, less the effects that it does not need. The model without effects is then

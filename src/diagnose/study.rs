@@ -15,7 +15,7 @@ use super::law_choice::choices;
 use super::model_source::{Attached, Extension};
 use super::place::{Place, places};
 use super::policy::SearchPolicy;
-use super::variation::VariationTargets;
+use super::variation::{VariationTargets, number_recordings, states};
 
 /// Name of the generated model that has effects attached.
 const TRIAL_MODEL: &str = "Trial";
@@ -48,6 +48,8 @@ pub struct Study {
     pub units: FastMap<String, String>,
     /// The parameters that may vary, and what they may vary with.
     pub variations: VariationTargets,
+    /// Number of states of the model.
+    pub states: usize,
     /// Limits, thresholds and stopping rules.
     pub policy: SearchPolicy,
 }
@@ -69,9 +71,10 @@ impl Study {
         session: &mut Session,
         (request, classes): (Request, &[String]),
         (flat, inventory): (&FlatModel, Inventory),
-        (plan, data): (Plan, Data),
+        (mut plan, mut data): (Plan, Data),
         policy: SearchPolicy,
     ) -> Study {
+        number_recordings(flat, &mut plan, &mut data);
         let units: Vec<(String, String)> =
             flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string())).collect();
         let packages = Study::packages(&request, classes);
@@ -85,6 +88,7 @@ impl Study {
             variations: VariationTargets::new(flat, &plan, &data),
             units: units.into_iter().collect(),
             corrections: Vec::new(),
+            states: states(flat).len(),
             plan,
             request,
             data,
@@ -129,6 +133,13 @@ impl Study {
         }
         let names: FastSet<&str> = self.variables.iter().map(String::as_str).collect();
         places(effect, &self.inventory, &names, plan)
+    }
+
+    /// Candidates in one model of a score test. Each may add states to a small model, and the cost of a step grows with
+    /// the number of states times that of the derivatives, so they run in smaller batches there.
+    pub fn batch(&self) -> usize {
+        let least = self.policy.least_batch.min(self.policy.batch);
+        (4 * self.states).clamp(least, self.policy.batch)
     }
 
     /// True for an effect that is a free curve rather than parametric.

@@ -2,6 +2,8 @@
 
 use crate::calibrate::table::{rmse_shown, shown};
 
+use super::grade::{Grade, grade};
+use super::hypothesis::groups;
 use super::next_text::lines;
 use super::result::{Verdict, estimates, sentences};
 use super::run::Outcome;
@@ -14,12 +16,18 @@ pub fn summary(outcome: &Outcome, seconds: f64) -> String {
     if !outcome.complete {
         out.push_str(&format!("  {ENDED_EARLY}\n"));
     }
-    for sentence in sentences(&study.effects, &after.effects) {
+    for (sentence, group) in
+        sentences(&study.effects, &after.effects).into_iter().zip(groups(&after.effects))
+    {
         out.push_str(&format!("  {}{sentence}\n", partial(outcome)));
+        if let Some(grade) = grade(outcome, group).filter(|g| *g != Grade::Established) {
+            out.push_str(&format!("    {}\n", grade.meaning()));
+        }
     }
     for (name, value, error, unit) in estimates(&study.effects, after) {
         let line = format!("    {name} = {} ± {error:.1e} {unit}", shown(value, error));
-        out.push_str(&format!("{}\n", line.trim_end()));
+        let remark = if after.is_at_bound(&name) { ", at its bound" } else { "" };
+        out.push_str(&format!("{}{remark}\n", line.trim_end()));
     }
     out.push_str("  reduced chi-square       before      after\n");
     let pairs = study.data.splits().map(|s| (s.name(), before.chi2(s), after.chi2(s)));

@@ -1,13 +1,15 @@
 //! Parameters that vary: the parameters that may do so, and the variables that they may vary with.
 //!
 //! Every free parameter of the plan is a hypothesis with every measured variable, every condition that differs
-//! between the recordings, every named variable of the model and time; parameters of the same unit are hypotheses
+//! between the recordings, the number of the recording, every named variable of the model and time; parameters of the same unit are hypotheses
 //! together as well, because one phenomenon often changes several of them alike. As a free curve, a parameter varies
-//! alone, with what is measured and with time.
+//! alone.
 
 use crate::base::index::FastSet;
+use crate::base::source::Span;
 use crate::calibrate::data::{Data, Split};
-use crate::calibrate::plan::Plan;
+use crate::calibrate::plan::{Condition, Plan, RECORDING_NUMBER};
+use crate::calibrate::unit::Unit;
 use crate::ir::expr::{Node, Type, VarId};
 use crate::ir::flat::{FlatModel, Variability};
 
@@ -19,8 +21,6 @@ const MAX_ALIKE: usize = 3;
 const MAX_VARIABLES: usize = 12;
 /// Number of named variables of the model from which its states are not needed as well.
 const ENOUGH_VARIABLES: usize = 4;
-/// Largest number of parameters times variables for free curves.
-const MAX_CURVES: usize = 40;
 
 /// The parameters of a model that may vary, and what they may vary with.
 #[derive(Clone, Debug, Default)]
@@ -31,7 +31,7 @@ pub struct VariationTargets {
     pub single: usize,
     /// Full names of variables: those that are measured, `time`, and others.
     pub variables: Vec<String>,
-    /// Parameters that differ between the recordings.
+    /// Parameters that differ between the recordings, among them the number of the recording.
     pub conditions: Vec<String>,
 }
 
@@ -49,10 +49,9 @@ impl VariationTargets {
         combinations(&self.parameters, &over, input)
     }
 
-    /// The same for a free curve: parameters one by one, with the first of the variables.
+    /// The same for a free curve: parameters one by one, with every variable.
     pub fn curve_places(&self, input: &str) -> Vec<Place> {
-        let most = MAX_CURVES / self.single.max(1);
-        let over: Vec<&String> = self.variables.iter().take(most).collect();
+        let over: Vec<&String> = self.variables.iter().collect();
         combinations(&self.parameters[..self.single], &over, input)
     }
 }
@@ -65,6 +64,34 @@ fn combinations(parameters: &[Vec<String>], over: &[&String], input: &str) -> Ve
     parameters.iter().flat_map(|at| over.iter().map(move |v| place(at, v))).collect()
 }
 
+/// Number of training recordings from which something may be seen to change from one to the next.
+const ENOUGH_RECORDINGS: usize = 3;
+
+/// Adds the number of the recording to the conditions of a plan, for wear and drift. Not if there are few, if they are
+/// single windows, or if the model has a variable of that name.
+pub fn number_recordings(flat: &FlatModel, plan: &mut Plan, data: &mut Data) {
+    let is_taken = flat.variables.iter().any(|v| v.name == RECORDING_NUMBER);
+    if is_taken || data.wholes(Split::Train).len() < ENOUGH_RECORDINGS {
+        return;
+    }
+    plan.conditions.push(Condition {
+        column: RECORDING_NUMBER.to_owned(),
+        parameter: RECORDING_NUMBER.to_owned(),
+        unit: Unit::of("1").unwrap_or(Unit::SECOND),
+        unit_name: "1".to_owned(),
+        span: Span::NONE,
+    });
+    let mut known: Vec<String> = Vec::new();
+    for recording in &mut data.recordings {
+        let position = known.iter().position(|of| *of == recording.of);
+        let number = position.unwrap_or_else(|| {
+            known.push(recording.of.clone());
+            known.len() - 1
+        });
+        recording.conditions.push((number + 1) as f64);
+    }
+}
+
 /// The parameters that recordings set to different values.
 fn conditions(flat: &FlatModel, plan: &Plan, data: &Data) -> Vec<String> {
     let differs = |k: usize| {
@@ -73,6 +100,9 @@ fn conditions(flat: &FlatModel, plan: &Plan, data: &Data) -> Vec<String> {
         values.any(|v| Some(v) != first && !v.is_nan())
     };
     let is_real = |name: &str| {
+        if name == RECORDING_NUMBER {
+            return true;
+        }
         let found = flat.variables.iter().find(|v| v.name == name);
         found.is_some_and(|v| v.ty == Type::Real && v.variability == Variability::Parameter)
     };
@@ -136,22 +166,25 @@ fn variables(flat: &FlatModel, plan: &Plan) -> Vec<String> {
     if out.len() > ENOUGH_VARIABLES {
         return out;
     }
-    let mut roots = Vec::new();
-    flat.for_each_expression(&mut |e| roots.push(e));
-    let mut states = Vec::new();
-    for e in flat.graph.postorder(roots) {
-        if let Node::Der(v) = flat.graph.node(e)
-            && continuous(v)
-        {
-            states.push(v);
-        }
-    }
-    states.sort_unstable();
-    for v in states {
+    for v in states(flat).into_iter().filter(|v| continuous(*v)) {
         let name = &flat.variables[v].name;
         if out.len() < MAX_VARIABLES && !out.contains(name) {
             out.push(name.clone());
         }
     }
     out
+}
+
+/// The variables whose derivatives the equations contain.
+pub fn states(flat: &FlatModel) -> Vec<VarId> {
+    let mut roots = Vec::new();
+    flat.for_each_expression(&mut |e| roots.push(e));
+    let of = |e| match flat.graph.node(e) {
+        Node::Der(v) => Some(v),
+        _ => None,
+    };
+    let mut states: Vec<VarId> = flat.graph.postorder(roots).into_iter().filter_map(of).collect();
+    states.sort_unstable();
+    states.dedup();
+    states
 }

@@ -25,6 +25,8 @@ const LEAST_MEAN: usize = 4;
 const LEAST_VARIANCE: usize = 64;
 /// Standard deviations by which the power of a bin may exceed the mean.
 const USUAL: f64 = 3.0;
+/// Longest lag of the correlation time.
+const LONGEST_LAG: usize = 2000;
 /// Values from which anything is said.
 const LEAST: usize = 30;
 
@@ -66,6 +68,30 @@ impl<'a> Residuals<'a> {
     /// Standard error of the root of the mean square, as a share of it.
     pub fn relative_error(&self) -> f64 {
         0.5 * (self.square_variance / self.count as f64).sqrt() / self.square
+    }
+
+    /// The integrated correlation time, in samples: a mean over `n` residuals is as exact as one over `n` divided by it of
+    /// independent ones; 1 for white noise. The sum of the autocorrelations ends with the first pair of neighbours whose
+    /// sum is not positive (C. J. Geyer, *Practical Markov chain Monte Carlo*, Statistical Science 7, 1992, section 3.3).
+    pub fn correlation_time(&self) -> f64 {
+        let longest = self.runs.iter().map(|r| r.len()).max().unwrap_or(0);
+        let mut time = 1.0;
+        for pair in 0..longest.min(LONGEST_LAG) / 2 {
+            let both =
+                self.autocorrelation_at(2 * pair + 1) + self.autocorrelation_at(2 * pair + 2);
+            if both <= 0.0 {
+                break;
+            }
+            time += 2.0 * both;
+        }
+        time
+    }
+
+    /// The autocorrelation at a lag, over all runs.
+    fn autocorrelation_at(&self, lag: usize) -> f64 {
+        let products = self.runs.iter().flat_map(|run| run.iter().zip(run.iter().skip(lag)));
+        let sum: f64 = products.map(|(a, b)| a * b).filter(|p| p.is_finite()).sum();
+        sum / (self.square * self.count as f64)
     }
 
     /// The largest share of the power that a test finds to have structure, with a deviation above `limit`;
@@ -250,6 +276,27 @@ pub fn normal_equivalent(sum: f64, freedom: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// `x_k = a x_(k-1) + e` has the autocorrelations a^k, and (1 + a)/(1 - a) as their sum over all lags.
+    #[test]
+    fn correlation_time_of_an_autoregression() {
+        let mut state = 7u64;
+        let mut noise = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+        };
+        for (a, expected) in [(0.0, 1.0), (0.8, 9.0)] {
+            let mut x = 0.0;
+            let all: Vec<f64> = (0..200_000)
+                .map(|_| {
+                    x = a * x + noise();
+                    x
+                })
+                .collect();
+            let time = Residuals::new(vec![&all]).unwrap().correlation_time();
+            assert!((time - expected).abs() < 0.05 * expected, "{time} instead of {expected}");
+        }
+    }
 
     /// Deviation that no series of pure noise here exceeds.
     const LIMIT: f64 = 4.5;

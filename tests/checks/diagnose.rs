@@ -141,15 +141,19 @@ fn white_residuals_of_another_size_are_noise() {
     }
 }
 
-/// Too little noise in the plan hides no effect: the drag leaves structure.
+/// Too little noise in the plan hides no effect: the drag leaves structure, and with it, noise of twice the size.
 #[test]
 fn an_effect_is_not_taken_for_noise() {
     let scratch = study("sigma = 5e-4", "sigma = 2.5e-4", |_, v| -0.3 * v.abs() * v);
     let ended = mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out"]);
     assert_eq!(ended.status, 0, "{}", ended.err);
     let found = found_in(&scratch);
-    assert_ne!(found["verdict"], "complete", "{found:#}");
-    assert!(found["before"]["train"]["chi2"].as_f64() > Some(4.2), "{found:#}");
+    assert_eq!(found["verdict"], "effect_found", "{found:#}");
+    let noise = found["noise"]["s"].as_f64().expect("a factor");
+    assert!((noise / 2.0 - 1.0).abs() < 0.06, "{noise}");
+    let [before, after] =
+        ["before", "after"].map(|k| found[k]["train"]["chi2"].as_f64().expect("a number"));
+    assert!(before > 1.05 && (after - 1.0).abs() < 0.03, "{found:#}");
 }
 
 /// A second sensor shows nothing but noise, three times what the plan says: that is corrected, and the first sensor
@@ -275,6 +279,7 @@ fn a_partial_explanation_is_no_effect() {
     assert!(last.starts_with("effect_found, ") && last.ends_with(" (validation)"), "{told:?}");
     // As if more had been asked.
     outcome.study.policy.resolved_validation = 0.0;
+    outcome.study.policy.resolved_deviations = f64::NEG_INFINITY;
     outcome.study.policy.explained_limit = 0.0;
     outcome.diagnosis.noise = noise::Noise::default();
     let text = json::json(&outcome, None, 1.0);

@@ -564,7 +564,7 @@ package EffectTests
       // Knots on a straight line.
       parameter Real k = 2;
       Real T(start = 1, fixed = true);
-      Effects.FreeVariation effect(f = {0, 0.125, 0.25, 0.375, 0.5}, x = time, x_lo = 0, x_hi = 2);
+      Effects.FreeVariation effect(f = {0.1, 0.2, 0.3, 0.4, 0.5}, x = time, x_lo = 0, x_hi = 2);
     equation
       der(T) = -k*T;
       found = {T};
@@ -617,6 +617,34 @@ package EffectTests
       exact = {1.1*time};
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end FreeActuator;
+
+    model ActuatorSaturation
+      extends Check;
+      Effects.ActuatorSaturation effect(k = 0.25, u = time);
+    equation
+      found = {effect.y};
+      exact = {2*time/sqrt(4 + time^2)};
+      annotation(experiment(StopTime = 5, Tolerance = 1e-9));
+    end ActuatorSaturation;
+
+    model SensorSaturation
+      extends Check;
+      Effects.SensorSaturation effect(k = 0.25, u = -time);
+    equation
+      found = {effect.y};
+      exact = {-2*time/sqrt(4 + time^2)};
+      annotation(experiment(StopTime = 5, Tolerance = 1e-9));
+    end SensorSaturation;
+
+    model FreeSensor
+      extends Check;
+      // Knots on a straight line.
+      Effects.FreeSensor effect(f = 0.1*{-5, -3, -1, 1, 3, 5}, u_lo = -5, u_hi = 5, u = time);
+    equation
+      found = {effect.y};
+      exact = {1.1*time};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end FreeSensor;
 
     model SensorGain
       extends Check;
@@ -1510,6 +1538,22 @@ package EffectTests
       Effects.FreeActuator effect(u = u, u_lo = 2, u_hi = 3);
       annotation(__mocc(through = "u = effect.y"));
     end FreeActuator;
+
+    model ActuatorSaturation
+      extends Driven;
+      Effects.ActuatorSaturation effect(u = u);
+      annotation(__mocc(through = "u = effect.y"));
+    end ActuatorSaturation;
+
+    model SensorSaturation
+      extends Base;
+      Effects.SensorSaturation effect(u = v);
+    end SensorSaturation;
+
+    model FreeSensor
+      extends Base;
+      Effects.FreeSensor effect(u = s, u_lo = 0, u_hi = 3.5e-3);
+    end FreeSensor;
 
     model SensorGain
       extends Base;

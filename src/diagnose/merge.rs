@@ -1,0 +1,74 @@
+//! Several parameters that vary alike, found one after the other: one phenomenon in place of several effects.
+
+use crate::calibrate::fit::refined;
+use crate::calibrate::problem::Problem;
+
+use super::backward_elimination::without;
+use super::hypothesis::{Hypothesis, attach, groups};
+use super::place::Place;
+use super::rank::Scored;
+use super::result::Diagnosis;
+use super::revise::{accept_instead, not_fitted};
+use super::search::Search;
+
+/// Replaces two parameters that vary along straight lines over the same variable by one effect with a common slope, for
+/// as long as the data support that.
+pub fn merge_variations(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    while let Some(merged) = merged(search, &diagnosis.after) {
+        let limit = diagnosis.after.total_criterion() + search.policy().evidence;
+        if merged.total_criterion() >= limit {
+            break;
+        }
+        accept_instead(search, diagnosis, merged);
+    }
+}
+
+/// The best hypothesis with two of its variations in one.
+fn merged(search: &Search<'_>, from: &Hypothesis) -> Option<Hypothesis> {
+    let study = search.study;
+    let all: Vec<_> = groups(&from.effects).map(|group| &group[0]).collect();
+    let mut best: Option<Hypothesis> = None;
+    for (j, second) in all.iter().enumerate() {
+        for first in &all[..j] {
+            let effect = &study.effects[first.effect];
+            let is_line = effect.varies.is_some() && effect.amplitudes.len() == 1;
+            let same = first.effect == second.effect && first.place.binds == second.place.binds;
+            if !is_line || !same || effect.formula.is_some() || !search.may_continue() {
+                continue;
+            }
+            let slope = |name: &str| Some(from.estimate(name)?.0);
+            let amplitude = &effect.amplitudes[0].name;
+            let slopes = [first, second].map(|c| slope(&c.full_name(amplitude)));
+            let [Some(a), Some(b)] = slopes else { continue };
+            let mut at = first.place.at.clone();
+            at.extend(second.place.at.iter().filter(|p| !first.place.at.contains(p)).cloned());
+            let place = Place { at, ..first.place.clone() };
+            let names = [first.name.clone(), second.name.clone()];
+            let Some(rest) = without(study, from, &names, &mut |p| not_fitted(p)) else { continue };
+            let together = Scored {
+                effect: first.effect,
+                place,
+                shape: first.fixed.clone(),
+                amplitudes: vec![0.5 * (a + b)],
+                gain: 0.0,
+                validation_gain: None,
+                others: Vec::new(),
+            };
+            let depth = groups(&rest.effects).count();
+            let (effects, plan) = attach(study, &rest, &[together], depth);
+            let policy = &search.policy().fit;
+            let fit = &mut |p: &mut Problem<'_>| {
+                let start = p.start();
+                refined(p, policy, &start, &policy.full, &mut |_, _| search.on_step())
+            };
+            let Ok(mut fitted) = Hypothesis::fitted(study, effects, plan, fit) else { continue };
+            fitted.is_complete_fit = true;
+            let (train, validation) = (fitted.chi2_train(), fitted.chi2_validation());
+            search.note(&format!("together: {train:.4}, validation {validation:.4}"));
+            if best.as_ref().is_none_or(|b| fitted.total_criterion() < b.total_criterion()) {
+                best = Some(fitted);
+            }
+        }
+    }
+    best
+}
