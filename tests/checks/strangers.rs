@@ -1,7 +1,6 @@
 //! Models of strangers: what they may read and write, and that their strings command nothing.
 
 use std::fs;
-use std::path::Path;
 
 use super::door::{Scratch, suite_model};
 use super::program::{Ended, mocc};
@@ -89,16 +88,14 @@ fn strings_of_a_model_are_shown_and_never_obeyed() {
     assert_eq!(ran.status, 0, "{}", ran.err);
     assert!(!says(&ran, "\u{1b}") && !says(&ran, "\u{7}"), "{:?}", ran.err);
     assert!(says(&ran, "late"), "{}", ran.err);
-    let reported =
-        mocc(folder, &["report", "models/model.mo", "--output", "x.html", "--diagram", "d.svg"]);
+    let reported = mocc(folder, &["report", "models/model.mo", "--output", "x.html"]);
     assert_eq!(reported.status, 0, "{}", reported.err);
-    for file in ["x.svg", "x.html", "d.svg"] {
-        let Ok(text) = fs::read_to_string(folder.join(file)) else { continue };
+    for file in ["x.svg", "x.html"] {
+        let text = fs::read_to_string(folder.join(file)).unwrap();
         for command in ["<script>alert", "<b>p", "<i>m", "<img", "\u{1b}", "\"><script"] {
             assert!(!text.contains(command), "{file} contains {command}");
         }
     }
-    assert!(Path::new(&folder.join("x.html")).exists());
     // A spreadsheet takes a cell for a formula that begins with one of these.
     let table = fs::read_to_string(folder.join("x.csv")).unwrap();
     let head = table.lines().next().unwrap();

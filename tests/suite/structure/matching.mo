@@ -122,17 +122,6 @@ end Bridge;
 //@ run stop=0.1 tolerance=1e-9
 //@ expect i = 2*exp(-1.2) rel 1e-7
 
-//@ case booleans_that_refer_to_each_other
-// Nothing reads them, so a warning is enough.
-model Pair
-  Boolean a;
-  Boolean b;
-equation
-  //@ warning[MO0410] 3-11
-  a = not b;
-  b = not a;
-end Pair;
-
 //@ case boolean_that_holds_itself
 model Latch
   Boolean a;

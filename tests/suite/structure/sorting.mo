@@ -62,3 +62,14 @@ equation
   c - sin(x) = 0;
 end Sorted;
 //@ expect structure has 2 "(3 explicit)"
+
+//@ case booleans_that_refer_to_each_other
+// Nothing reads them, so a warning is enough.
+model Pair
+  Boolean a;
+  Boolean b;
+equation
+  //@ warning[MO0410] 3-11
+  a = not b;
+  b = not a;
+end Pair;
