@@ -208,7 +208,7 @@ fn an_interrupted_run_leaves_valid_files() {
     use std::time::Duration;
 
     let folder = Scratch::new();
-    // Years of an oscillator: no machine gets to the end of it.
+    // Millions of steps of an oscillator: no machine gets to their end in a moment.
     let model = &suite_model("simulate/events/long_results");
     folder.file("long.mo", model);
     for output in ["run.csv", "run.mat", "run.parquet"] {

@@ -186,5 +186,5 @@ model Long
 equation
   der(x) = v;
   der(v) = -x;
-  annotation(experiment(StopTime = 1e9, Interval = 1e3));
+  annotation(experiment(StopTime = 1e6, Interval = 1));
 end Long;
