@@ -11,7 +11,7 @@ use super::forward_selection::promising;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups, plan_without_effects};
 use super::pairwise_selection::{pairs, pairwise_selection_from};
 use super::place::Place;
-use super::preference::ends_with_variation;
+use super::preference::{ends_with_sensor, ends_with_variation};
 use super::rank::{Scored, rank, rank_instead};
 use super::result::Diagnosis;
 use super::search::{Search, accept};
@@ -269,10 +269,10 @@ fn simpler(search: &Search<'_>, from: &Hypothesis, before: &Hypothesis) -> Optio
     }
     let has_curve = from.effects.iter().any(|c| study.is_curve(c.effect));
     let can_shrink = from.effects.len() > 2 || has_curve;
+    // The characteristic of a sensor may be the sum of two named ones.
+    let is_sum = groups(&from.effects).count() > 1 || ends_with_sensor(from);
     match one {
-        None if groups(&from.effects).count() > 1 && can_shrink => {
-            fitted(&pairs(search, &start, &ranking))
-        }
+        None if is_sum && can_shrink => fitted(&pairs(search, &start, &ranking)),
         one => one,
     }
 }
