@@ -1,7 +1,7 @@
 within Effects;
 block ActuatorSaturation "Actuator that does not follow large values"
   //   y = u/sqrt(1 + k u^2)
-  // What acts approaches 1/sqrt(k) on either side.
+  // The value that acts approaches 1/sqrt(k) on either side.
   extends PartialActuator;
   parameter Real k = 0 "One over the square of the largest value, in the unit of 1/u^2";
 equation

@@ -45,12 +45,9 @@ impl CandidateFits<'_> {
         }
         self.fit_fully(&mut hypotheses);
         sort_by_preference(search, from, &mut hypotheses, criterion);
-        let nearly = |h: &Hypothesis| {
-            let most = 1.0 + search.policy().leading_excess;
-            h.chi2_train() < most && h.chi2_validation() < most
-        };
-        if let Some(best) =
-            hypotheses.first().filter(|h| self.may_be_local_minimum(h) && !nearly(h))
+        if let Some(best) = hypotheses
+            .first()
+            .filter(|h| self.may_be_local_minimum(h) && !search.is_nearly_resolved(h))
             && let Some(better) = self.refit_from_other_starts(best)
         {
             hypotheses[0] = better;

@@ -73,7 +73,10 @@ fn with_formulas(search: &Search<'_>, hypotheses: &mut Vec<Hypothesis>) {
     let Some(best) = hypotheses.first() else { return };
     let is_vague = ends_with_curve(study, best) || ends_with_variation(study, best);
     let is_determined = best.is_determined(study);
-    if is_determined && (!is_vague || best.is_resolved(search.policy())) {
+    // What little a straight line leaves may as well be a second parameter that varies alike.
+    let is_nearly_straight = !ends_with_curve(study, best) && search.is_nearly_resolved(best);
+    let is_done = !is_vague || best.is_resolved(search.policy()) || is_nearly_straight;
+    if is_determined && is_done {
         return;
     }
     let last = best.effects.len() - 1;

@@ -100,6 +100,12 @@ impl<'a> Search<'a> {
         hypothesis.chi2_train() - 1.0 < left.min(excess)
     }
 
+    /// True if a hypothesis leaves so little that it is no local minimum, but may lack something small.
+    pub fn is_nearly_resolved(&self, hypothesis: &Hypothesis) -> bool {
+        let most = 1.0 + self.policy().leading_excess;
+        hypothesis.chi2_train() < most && hypothesis.chi2_validation() < most
+    }
+
     /// Tells the observer the best result so far.
     pub fn announce(&self, diagnosis: &Diagnosis) {
         self.observer.event(&Event::Best(&diagnosis.evidence(self.study)));
