@@ -1,11 +1,11 @@
 //! A run: its columns, events and statistics.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
 use mocc::base::render::{Style, render};
-use mocc::io::atomic_file::append;
+use mocc::io::printout::Printout;
 use mocc::ir::trajectory::{Column, ColumnStorage, Event, Kind, Trajectory, position};
 use mocc::report::plot;
 use mocc::report::plot::choice::default_figure;
@@ -172,6 +172,7 @@ pub fn simulate<'py>(
         trajectory: Trajectory::default(),
         right_limits,
         printed: Vec::new(),
+        printout: Printout::new(Path::new(""), &[]),
         looked: Instant::now(),
         raised: None,
     };
@@ -225,6 +226,8 @@ struct Recording {
     /// Of the rows of an event only the last is kept.
     right_limits: bool,
     printed: Vec<String>,
+    /// New files of the model, in the working directory.
+    printout: Printout,
     looked: Instant,
     /// The exception that the handler of a signal has raised, such as `KeyboardInterrupt`.
     raised: Option<PyErr>,
@@ -261,7 +264,7 @@ impl Sink for Recording {
     fn print(&mut self, line: &str, file: &str) {
         if file.is_empty() {
             self.printed.push(line.to_owned());
-        } else if let Err(why) = append(file.as_ref(), line) {
+        } else if let Err(why) = self.printout.append(file, line) {
             self.printed.push(format!("warning: cannot write `{file}`: {why}"));
         }
     }
