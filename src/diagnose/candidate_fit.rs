@@ -94,10 +94,16 @@ impl CandidateFits<'_> {
                 continue;
             }
             let (effects, plan) = attach(self.search.study, self.from, proposal, self.depth);
+            // A named law may need more steps than a curve, and is worth them.
+            let is_named = !varies && !proposal.iter().any(|s| study.is_curve(s.effect));
+            let limit = match is_named {
+                true => self.give_up_above.unwrap_or(f64::INFINITY),
+                false => hopeless,
+            };
             let short = &mut |p: &mut Problem<'_>, start: &[f64]| {
                 p.trimmed = p.surplus(policy.score_instants);
                 let is_hopeless =
-                    |step: u32, cost: f64| step >= STEPS_BEFORE_GIVING_UP && cost > hopeless;
+                    |step: u32, cost: f64| step >= STEPS_BEFORE_GIVING_UP && cost > limit;
                 let on_step = &mut |step, cost| self.search.on_step() && !is_hopeless(step, cost);
                 let fit = local_search(p, start, &policy.short_fit, on_step);
                 p.trimmed = Vec::new();
