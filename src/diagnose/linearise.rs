@@ -3,6 +3,7 @@
 
 use crate::base::diag::Problems;
 use crate::calibrate::data::Split;
+use crate::calibrate::parallel;
 use crate::calibrate::problem::Problem;
 use crate::calibrate::statistics::at_bound;
 use crate::numeric::least_squares::NormalEquations;
@@ -24,6 +25,8 @@ pub struct Linearisation<'a> {
     replaced: Option<&'a Hypothesis>,
     /// The recordings that were never fitted are linearised as well.
     is_validated: bool,
+    /// Threads for the recordings of a batch.
+    jobs: usize,
 }
 
 /// The normal equations with some of the candidates.
@@ -87,8 +90,8 @@ impl<'a> Linearisation<'a> {
         candidates: &'a [Candidate],
         instants: usize,
     ) -> Self {
-        let (replaced, is_validated) = (None, false);
-        Linearisation { study, hypothesis, candidates, instants, replaced, is_validated }
+        let (replaced, is_validated, jobs) = (None, false, parallel::cores());
+        Linearisation { study, hypothesis, candidates, instants, replaced, is_validated, jobs }
     }
 
     /// Candidates in place of the effects of the hypothesis; `replaced` is the hypothesis without any.
@@ -99,6 +102,11 @@ impl<'a> Linearisation<'a> {
     /// Linearises the recordings that were never fitted as well.
     pub fn validated(self) -> Self {
         Linearisation { is_validated: true, ..self }
+    }
+
+    /// Uses at most so many threads for a batch: where several batches run at once.
+    pub fn on_threads(self, jobs: usize) -> Self {
+        Linearisation { jobs, ..self }
     }
 
     /// The largest gain that a score can mean: the whole sum of squares, unless candidates replace effects.
@@ -127,6 +135,7 @@ impl<'a> Linearisation<'a> {
         let mut problems = Problems::new();
         let problem = Problem::new(&program, &session.sources, &plan, &study.data, &mut problems);
         let mut problem = problem?;
+        problem.jobs = self.jobs;
         problem.trimmed = surplus(&problem, replaced.unwrap_or(hypothesis), instants);
         let mut normal = problem.normal(&problem.start()).ok()?;
         let is_validated = self.is_validated && replaced.is_none();

@@ -5,10 +5,11 @@
 //! composed of the columns of the single places.
 
 use crate::calibrate::data::Split;
+use crate::calibrate::parallel;
 
 use super::hypothesis::Hypothesis;
 use super::law_choice::scored_choices;
-use super::linearise::Linearisation;
+use super::linearise::{Linearisation, Linearised};
 use super::place::Place;
 use super::search::Search;
 use super::shape_parameters::{ranges, ranges_of, shapes};
@@ -157,13 +158,13 @@ fn scored(
         |instants| Linearisation::new(study, hypothesis, &candidates, instants).instead(replaced);
     let few = policy.preselection_instants;
     if instants > 2 * few && all.len() > 2 * policy.preselected {
-        score_some(search, &with(few), (&candidates, &all), &mut trials);
+        score_some(search, with(few), (&candidates, &all), &mut trials);
         let selected = preselected(search, hypothesis, &trials);
         let again = with(policy.score_instants);
-        score_some(search, &again, (&candidates, &selected), &mut trials);
+        score_some(search, again, (&candidates, &selected), &mut trials);
     } else {
         let all_at_once = with(policy.score_instants).validated();
-        score_some(search, &all_at_once, (&candidates, &all), &mut trials);
+        score_some(search, all_at_once, (&candidates, &all), &mut trials);
     }
     let mut best: Vec<Scored> = Vec::new();
     // Effects that promise nothing alone are kept: they may do so beside another.
@@ -202,39 +203,48 @@ fn preselected(search: &Search<'_>, hypothesis: &Hypothesis, trials: &[Trial]) -
     selected
 }
 
-/// Scores the trials that consist of the selected candidates.
+/// Scores the trials that consist of the selected candidates, batch by batch, several batches at once: the models of the
+/// batches are compiled besides, and recordings are too few to occupy all cores.
 fn score_some(
     search: &Search<'_>,
-    linearisation: &Linearisation<'_>,
+    linearisation: Linearisation<'_>,
     (candidates, selected): (&[Candidate], &[usize]),
     trials: &mut [Trial],
 ) {
     let batches = batches(search.study, candidates, selected);
     let (some, runs) = (selected.len(), batches.len());
     search.note(&format!("scoring {some} candidates in {runs} runs"));
-    batches.iter().for_each(|batch| score_batch(search, linearisation, batch, trials));
+    let cores = parallel::cores();
+    let linearisation = linearisation.on_threads(cores.div_ceil(runs.max(1)));
+    let of_batch = |k: usize| linearised(&linearisation, &batches[k]);
+    let all = parallel::map_while(cores, runs, || !search.is_cancelled(), of_batch);
+    for linearised in all.iter().flatten().flatten() {
+        score_trials(search, &linearisation, linearised, trials);
+    }
 }
 
-/// Scores the trials that consist of candidates of this batch alone. If the batch cannot be simulated, each
-/// half is scored by itself, so that one candidate does not prevent the others.
-fn score_batch(
+/// The normal equations with the candidates of a batch. If these cannot be simulated together, each half has its own, so
+/// that one candidate does not prevent the others.
+fn linearised(linearisation: &Linearisation<'_>, batch: &[usize]) -> Vec<Linearised> {
+    if let Some(linearised) = linearisation.with(batch) {
+        return vec![linearised];
+    }
+    match batch.len() {
+        0 | 1 => Vec::new(),
+        count => {
+            let (left, right) = batch.split_at(count / 2);
+            [left, right].into_iter().flat_map(|half| linearised(linearisation, half)).collect()
+        }
+    }
+}
+
+/// Scores the trials of which normal equations have all candidates.
+fn score_trials(
     search: &Search<'_>,
     linearisation: &Linearisation<'_>,
-    batch: &[usize],
+    linearised: &Linearised,
     trials: &mut [Trial],
 ) {
-    if search.is_cancelled() {
-        return;
-    }
-    let Some(linearised) = linearisation.with(batch) else {
-        let half = batch.len() / 2;
-        if half > 0 {
-            let (left, right) = batch.split_at(half);
-            score_batch(search, linearisation, left, trials);
-            score_batch(search, linearisation, right, trials);
-        }
-        return;
-    };
     for Trial { scored, candidates } in trials {
         if let Some(score) = linearised.score(search.study, &[(scored.effect, candidates)]) {
             scored.gain = score.gain.min(linearisation.max_gain());
