@@ -65,8 +65,7 @@ pub fn map_while<T: Send>(
         caller.unpark();
     };
     std::thread::scope(|scope| {
-        let spawn =
-            |_| std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run).ok();
+        let spawn = |_| std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, run).ok();
         let workers: Vec<_> = (0..jobs.min(count)).filter_map(spawn).collect();
         if workers.is_empty() {
             run();

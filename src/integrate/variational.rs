@@ -11,6 +11,7 @@ pub trait Variational {
     /// `stage`.
     fn linearise(&mut self, stage: usize, t: f64, y: &[f64]) -> Result<(), EvalError>;
 
-    /// Writes `J s + b` of one direction at a stage to `out`. Slices have the length of `y`.
-    fn slope(&self, stage: usize, direction: usize, s: &[f64], out: &mut [f64]);
+    /// Writes `J s + b` of all directions at a stage to `out`. Both are panels ([`crate::numeric::panel`]) with a row
+    /// for each component of `y` and a column for each direction.
+    fn slopes(&self, stage: usize, width: usize, s: &[f64], out: &mut [f64]);
 }

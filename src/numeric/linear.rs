@@ -14,6 +14,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::traits::ComplexField;
 use faer::{Conj, MatMut, MatRef, Par, c64};
 
+use super::panel;
 use super::pattern::Pattern;
 use super::small_lu;
 
@@ -94,6 +95,16 @@ impl DenseLu {
             Some(blocked) if n > SMALL => blocked.solve(n, lu, b),
             _ => small_lu::solve(n, lu, &self.pivots, b),
         }
+    }
+
+    /// The same for a [`panel`] of right-hand sides; false, with nothing done, for orders beyond [`SMALL`].
+    pub fn solve_panel(&self, b: &mut [f64], width: usize) -> bool {
+        let n = self.n;
+        let is_small = self.blocked.is_none() || n <= SMALL;
+        if is_small {
+            panel::solve(n, &self.lu[..n * n], &self.pivots, b, width);
+        }
+        is_small
     }
 }
 
@@ -186,6 +197,17 @@ impl ComplexLu {
                 small_lu::solve_complex(n, planes, &self.pivots, b_re, b_im);
             }
         }
+    }
+
+    /// The same for a [`panel`] of right-hand sides; false, with nothing done, for orders beyond [`SMALL`].
+    pub fn solve_panel(&self, b_re: &mut [f64], b_im: &mut [f64], width: usize) -> bool {
+        let n = self.n;
+        let is_small = self.blocked.is_none() || n <= SMALL;
+        if is_small {
+            let planes = (&self.re[..n * n], &self.im[..n * n]);
+            panel::solve_complex(n, planes, &self.pivots, b_re, b_im, width);
+        }
+        is_small
     }
 }
 

@@ -22,6 +22,7 @@ pub mod maxvol;
 pub mod newton;
 pub mod norm;
 pub mod null_space;
+pub mod panel;
 pub mod pattern;
 pub mod polynomial_segment;
 pub mod pseudo_inverse;

@@ -6,9 +6,11 @@
 //! never mixes a component whose equation is `y' = 0` with others, so its correction is exactly
 //! zero, and a locked mass does not move by a bit.
 
+pub mod panel;
 pub mod sparse;
 pub mod split;
 
+use crate::integrate::matrix::panel::PanelMemory;
 use crate::integrate::matrix::sparse::SparseParts;
 use crate::integrate::matrix::split::{Columns, Split};
 use crate::integrate::system::{EvalError, System};
@@ -33,6 +35,7 @@ pub struct IterationMatrix {
     solved_im: Vec<f64>,
     core_re: Vec<f64>,
     core_im: Vec<f64>,
+    panel: PanelMemory,
 }
 
 /// The multiples of `M`: `real` in the real matrix, `re + i im` in the complex one.
@@ -98,6 +101,7 @@ impl IterationMatrix {
             solved_im: complex(),
             core_re: vec![0.0; n],
             core_im: complex(),
+            panel: PanelMemory::default(),
         }
     }
 

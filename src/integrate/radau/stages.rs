@@ -256,16 +256,24 @@ pub fn correct(
 ) {
     let [r1, r2, r3] = r;
     let [w1, w2, w3] = w;
-    let t = &T_INVERSE;
     for (i, mass) in matrix.mass().iter().enumerate() {
-        let (f1, f2, f3) = (r1[i], r2[i], r3[i]);
-        let (w1, w2, w3) = (mass * w1[i], mass * w2[i], mass * w3[i]);
-        r1[i] = t[0][0] * f1 + t[0][1] * f2 + t[0][2] * f3 - shift.real * w1;
-        r2[i] = t[1][0] * f1 + t[1][1] * f2 + t[1][2] * f3 - (shift.re * w2 - shift.im * w3);
-        r3[i] = t[2][0] * f1 + t[2][1] * f2 + t[2][2] * f3 - (shift.im * w2 + shift.re * w3);
+        let w = [mass * w1[i], mass * w2[i], mass * w3[i]];
+        [r1[i], r2[i], r3[i]] = transformed_residual([r1[i], r2[i], r3[i]], w, shift);
     }
     matrix.solve_real(r1);
     matrix.solve_complex(r2, r3);
+}
+
+/// `T^-1 f - L w` for the right sides `f` of one component at the stages and its increments `w`, times the mass.
+#[inline]
+pub fn transformed_residual(f: [f64; 3], w: [f64; 3], shift: Shift) -> [f64; 3] {
+    let [f1, f2, f3] = f;
+    let t = &T_INVERSE;
+    [
+        t[0][0] * f1 + t[0][1] * f2 + t[0][2] * f3 - shift.real * w[0],
+        t[1][0] * f1 + t[1][1] * f2 + t[1][2] * f3 - (shift.re * w[1] - shift.im * w[2]),
+        t[2][0] * f1 + t[2][1] * f2 + t[2][2] * f3 - (shift.im * w[1] + shift.re * w[2]),
+    ]
 }
 
 /// Applies the corrections: `W += dW`, `Z = T W`.

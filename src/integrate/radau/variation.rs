@@ -9,14 +9,14 @@
 //! directly.
 
 use crate::integrate::control::Point;
-use crate::integrate::matrix::IterationMatrix;
+use crate::integrate::matrix::{IterationMatrix, Shift};
 use crate::integrate::radau::polynomial::Polynomial;
-use crate::integrate::radau::stages::{advance, correct, shift, transform};
+use crate::integrate::radau::stages::{advance, shift, transform, transformed_residual};
 use crate::integrate::radau::tableau::{ALPHA, BETA, C1, C2, GAMMA, T, T_INVERSE};
 use crate::integrate::system::EvalError;
 use crate::integrate::variational::Variational;
-use crate::numeric::linear::DenseLu;
-use crate::numeric::norm::weighted_square_sum;
+use crate::numeric::linear::{DenseLu, Singular};
+use crate::numeric::panel;
 
 /// Maximum number of iterations before the stage equations are solved directly.
 const MAX_ITERATIONS: u32 = 12;
@@ -26,23 +26,48 @@ const SLOWEST: f64 = 0.5;
 const PRECISION: f64 = 1e-3;
 
 /// The derivatives in all directions at the accepted point, and over the last step.
+///
+/// Vectors of derivatives are panels ([`crate::numeric::panel`]): a row for each component, a column for each direction.
 pub struct Variation {
-    directions: Vec<Direction>,
+    /// Number of components.
+    n: usize,
+    directions: usize,
+    /// Directions with padding.
+    width: usize,
+    s: Vec<f64>,
+    z: [Vec<f64>; 3],
+    polynomial: Polynomial,
+    continued: bool,
     /// Transformed stage increments, then residuals and corrections.
     w: [Vec<f64>; 3],
     r: [Vec<f64>; 3],
     stage: Vec<f64>,
+    /// A stage of the solution.
+    point: Vec<f64>,
+    progress: Vec<Progress>,
     whole: Option<Box<Whole>>,
     /// The diagonal of `M`, if it differs from that of the solution.
     mass: Option<Vec<f64>>,
 }
 
-/// One direction.
-struct Direction {
-    s: Vec<f64>,
-    z: [Vec<f64>; 3],
-    polynomial: Polynomial,
-    continued: bool,
+/// How far the iteration is in a direction.
+#[derive(Clone, Copy, Default)]
+struct Progress {
+    state: State,
+    /// Largest norm of the corrections at a stage, squared.
+    size: f64,
+    /// Largest norm of the increments and of the derivatives at the start, squared.
+    scale: f64,
+    /// The `size` of the last iteration.
+    last: f64,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Default)]
+enum State {
+    #[default]
+    Open,
+    Converged,
+    Slow,
 }
 
 /// The stage equations without transformation, decomposed: `A^-1 / h M - J_i`.
@@ -50,8 +75,6 @@ struct Whole {
     lu: DenseLu,
     matrix: Vec<f64>,
     right: Vec<f64>,
-    /// Decomposed for this step.
-    ready: bool,
 }
 
 /// Why the derivatives could not be advanced.
@@ -69,18 +92,22 @@ pub enum NoVariation {
 impl Variation {
     /// For `directions` directions of `n` components, all zero.
     pub fn new(n: usize, directions: usize) -> Self {
-        let zeros = || std::array::from_fn(|_| vec![0.0; n]);
-        let direction = |_| Direction {
-            s: vec![0.0; n],
-            z: zeros(),
-            polynomial: Polynomial::new(n),
-            continued: false,
-        };
+        let width = panel::width(directions);
+        let zeros = || vec![0.0; n * width];
+        let stages = || std::array::from_fn(|_| zeros());
         Variation {
-            directions: (0..directions).map(direction).collect(),
-            w: zeros(),
-            r: zeros(),
-            stage: vec![0.0; n],
+            n,
+            directions,
+            width,
+            s: zeros(),
+            z: stages(),
+            polynomial: Polynomial::new(n * width),
+            continued: false,
+            w: stages(),
+            r: stages(),
+            stage: zeros(),
+            point: vec![0.0; n],
+            progress: vec![Progress::default(); directions],
             whole: None,
             mass: None,
         }
@@ -96,22 +123,31 @@ impl Variation {
         Variation { mass: Some(mass), ..Variation::new(n + 1, directions) }
     }
 
-    /// The derivatives in a direction at the accepted point.
-    pub fn at_end(&self, direction: usize) -> &[f64] {
-        &self.directions[direction].s
+    /// Columns of the panels: the directions with padding.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// The derivatives at the accepted point.
+    pub fn at_end(&self) -> &[f64] {
+        &self.s
     }
 
     /// Restarts at `t` with these derivatives.
-    pub fn restart(&mut self, t: f64, direction: usize, s: &[f64]) {
-        let d = &mut self.directions[direction];
-        d.s.copy_from_slice(s);
-        d.polynomial.set_constant(t, s);
-        d.continued = false;
+    pub fn restart(&mut self, t: f64, s: &[f64]) {
+        self.s.copy_from_slice(s);
+        self.restart_here(t);
     }
 
-    /// Writes the derivatives in a direction at `t` within the last step to `out`.
-    pub fn interpolate(&self, direction: usize, t: f64, out: &mut [f64]) {
-        self.directions[direction].polynomial.evaluate(t, out);
+    /// Restarts at `t`, the end of the last step.
+    pub fn restart_here(&mut self, t: f64) {
+        self.polynomial.set_constant(t, &self.s);
+        self.continued = false;
+    }
+
+    /// Writes the derivatives at `t` within the last step to `out`.
+    pub fn interpolate(&self, t: f64, out: &mut [f64]) {
+        self.polynomial.evaluate(t, out);
     }
 
     /// Advances over an accepted step; `matrix` is decomposed for it.
@@ -124,132 +160,175 @@ impl Variation {
         let AcceptedStep { from, z, h, end, .. } = step;
         let times = [from.t + C1 * h, from.t + C2 * h, end];
         for (k, (t, z)) in times.into_iter().zip(z).enumerate() {
-            for ((stage, y), z) in self.stage.iter_mut().zip(&from.y).zip(z) {
+            self.point.resize(from.y.len(), 0.0);
+            for ((stage, y), z) in self.point.iter_mut().zip(&from.y).zip(z) {
                 *stage = y + z;
             }
-            system.linearise(k, t, &self.stage).map_err(NoVariation::Eval)?;
+            system.linearise(k, t, &self.point).map_err(NoVariation::Eval)?;
         }
-        if let Some(whole) = &mut self.whole {
-            whole.ready = false;
-        }
-        for direction in 0..self.directions.len() {
-            let own = self.mass.take();
-            let solved = match &own {
-                Some(mass) => self.solve_at_once(system, direction, h, mass),
-                None if self.iterate(system, direction, &step, matrix) => Ok(()),
-                None => self.solve_at_once(system, direction, h, matrix.mass()),
-            };
-            self.mass = own;
-            solved?;
-            let d = &mut self.directions[direction];
-            if self.mass.is_some() {
-                d.level_last();
+        match self.mass.take() {
+            Some(mass) => {
+                self.progress.fill(Progress::default());
+                let solved = self.solve_at_once(system, h, &mass);
+                self.mass = Some(mass);
+                solved?;
+                self.level_last();
             }
-            for (s, z) in d.s.iter_mut().zip(&d.z[2]) {
-                *s += z;
+            None => {
+                self.iterate(system, &step, matrix);
+                if self.progress.iter().any(|p| p.state != State::Converged) {
+                    self.solve_at_once(system, h, matrix.mass())?;
+                }
             }
-            d.polynomial.set(h, end, &d.s, &d.z, d.continued);
-            d.continued = self.mass.is_none();
         }
+        for (s, z) in self.s.iter_mut().zip(&self.z[2]) {
+            *s += z;
+        }
+        self.polynomial.set(h, end, &self.s, &self.z, self.continued);
+        self.continued = self.mass.is_none();
         Ok(())
     }
 
-    /// The fixed-point iteration; false if it does not converge well.
+    /// The fixed-point iteration, in all directions until each has converged or is too slow.
     fn iterate(
         &mut self,
         system: &dyn Variational,
-        direction: usize,
         step: &AcceptedStep<'_>,
         matrix: &mut IterationMatrix,
-    ) -> bool {
-        let Variation { directions, w, r, stage, .. } = self;
-        let d = &mut directions[direction];
-        if d.continued {
-            d.polynomial.extrapolate(step.h, &mut d.z);
+    ) {
+        let width = self.width;
+        if self.continued {
+            self.polynomial.extrapolate(step.h, &mut self.z);
         } else {
-            d.z.iter_mut().for_each(|z| z.fill(0.0));
+            self.z.iter_mut().for_each(|z| z.fill(0.0));
         }
-        transform(&d.z, w);
-        let norm = |v: &[f64]| weighted_square_sum(v, step.weights).sqrt();
-        let mut last = f64::INFINITY;
+        transform(&self.z, &mut self.w);
+        self.progress.fill(Progress { last: f64::INFINITY, ..Progress::default() });
+        let shift = shift(step.h);
         for iteration in 0..MAX_ITERATIONS {
-            for (k, (z, r)) in d.z.iter().zip(r.iter_mut()).enumerate() {
-                for ((stage, s), z) in stage.iter_mut().zip(&d.s).zip(z) {
+            for k in 0..3 {
+                for ((stage, s), z) in self.stage.iter_mut().zip(&self.s).zip(&self.z[k]) {
                     *stage = s + z;
                 }
-                system.slope(k, direction, stage, r);
+                system.slopes(k, width, &self.stage, &mut self.r[k]);
             }
-            correct(r, w, matrix, shift(step.h));
-            advance(r, w, &mut d.z);
-            let size = r.iter().map(|r| norm(r)).fold(0.0, f64::max);
-            let scale = d.z.iter().map(|z| norm(z)).fold(norm(&d.s), f64::max);
-            if size <= PRECISION * step.rtol * scale {
-                return true;
+            residuals(&mut self.r, &self.w, matrix.mass(), width, shift);
+            let [real, re, im] = &mut self.r;
+            matrix.solve_real_panel(real, width);
+            matrix.solve_complex_panel(re, im, width);
+            advance(&self.r, &mut self.w, &mut self.z);
+            self.measure(step.weights);
+            let mut is_open = false;
+            for p in self.progress.iter_mut().filter(|p| p.state == State::Open) {
+                let (size, scale) = (p.size.sqrt(), p.scale.sqrt());
+                if size <= PRECISION * step.rtol * scale {
+                    p.state = State::Converged;
+                } else if iteration > 0 && size > SLOWEST * p.last || !size.is_finite() {
+                    // Rounding errors may keep the corrections from decreasing further.
+                    let is_small = size <= step.rtol * scale;
+                    p.state = if is_small { State::Converged } else { State::Slow };
+                } else {
+                    is_open = true;
+                }
+                p.last = size;
             }
-            let slow = iteration > 0 && size > SLOWEST * last;
-            if slow || !size.is_finite() {
-                // Rounding errors may keep the corrections from decreasing further.
-                return size <= step.rtol * scale;
+            if !is_open {
+                return;
             }
-            last = size;
         }
-        false
     }
 
+    /// The norms of the last corrections and of what they correct, in each direction.
+    fn measure(&mut self, weights: &[f64]) {
+        let Variation { width, s, z, r, stage, progress, .. } = self;
+        let mut largest = |panels: &mut dyn Iterator<Item = &Vec<f64>>,
+                           out: fn(&mut Progress) -> &mut f64| {
+            progress.iter_mut().for_each(|p| *out(p) = 0.0);
+            for panel in panels {
+                let sums = &mut stage[..*width];
+                sums.fill(0.0);
+                for (row, weight) in panel.chunks_exact(*width).zip(weights) {
+                    for (sum, v) in sums.iter_mut().zip(row) {
+                        *sum += (v * weight) * (v * weight);
+                    }
+                }
+                for (p, sum) in progress.iter_mut().zip(sums.iter()) {
+                    let largest = out(p);
+                    // A NaN stays.
+                    *largest = if *sum <= *largest { *largest } else { *sum };
+                }
+            }
+        };
+        largest(&mut r.iter(), |p| &mut p.size);
+        largest(&mut z.iter().chain([&*s]), |p| &mut p.scale);
+    }
+
+    /// Solves the stage equations directly in the directions that have not converged.
     fn solve_at_once(
         &mut self,
         system: &dyn Variational,
-        direction: usize,
         h: f64,
         mass: &[f64],
     ) -> Result<(), NoVariation> {
-        let Variation { directions, stage, whole, r, .. } = self;
-        let d = &mut directions[direction];
-        let n = d.s.len();
+        let Variation { n, width, directions, s, z, r, stage, progress, whole, .. } = self;
+        let (n, width) = (*n, *width);
         let whole = whole.get_or_insert_with(|| {
             Box::new(Whole {
                 lu: DenseLu::new(3 * n),
                 matrix: vec![0.0; 9 * n * n],
                 right: vec![0.0; 3 * n],
-                ready: false,
             })
         });
-        if !whole.ready {
-            whole.fill(system, h, mass, stage, r);
-            whole
-                .lu
-                .factor(&whole.matrix)
-                .map_err(|s| NoVariation::Singular { component: s.column % n })?;
-            whole.ready = true;
+        whole.fill(system, (h, width), mass, stage, r);
+        let singular = |s: Singular| NoVariation::Singular { component: s.column % n };
+        whole.lu.factor(&whole.matrix).map_err(singular)?;
+        for (k, r) in r.iter_mut().enumerate() {
+            system.slopes(k, width, s, r);
         }
-        for (k, right) in whole.right.chunks_exact_mut(n).enumerate() {
-            system.slope(k, direction, &d.s, right);
-        }
-        whole.lu.solve_in_place(&mut whole.right);
-        for (z, right) in d.z.iter_mut().zip(whole.right.chunks_exact(n)) {
-            z.copy_from_slice(right);
-        }
-        if whole.right.iter().any(|x| !x.is_finite()) {
-            return Err(NoVariation::Singular { component: 0 });
+        for d in (0..*directions).filter(|d| progress[*d].state != State::Converged) {
+            for (right, r) in whole.right.chunks_exact_mut(n).zip(&*r) {
+                (0..n).for_each(|i| right[i] = r[i * width + d]);
+            }
+            whole.lu.solve_in_place(&mut whole.right);
+            if whole.right.iter().any(|x| !x.is_finite()) {
+                return Err(NoVariation::Singular { component: 0 });
+            }
+            for (z, right) in z.iter_mut().zip(whole.right.chunks_exact(n)) {
+                (0..n).for_each(|i| z[i * width + d] = right[i]);
+            }
         }
         Ok(())
     }
-}
 
-impl Direction {
     /// Moves the last component at the start of the step onto the parabola through its stages.
     fn level_last(&mut self) {
-        let last = self.s.len() - 1;
+        let last = (self.n - 1) * self.width..self.n * self.width;
         let nodes = [C1, C2, 1.0];
-        let at_start: f64 = (0..3)
-            .map(|k| {
-                let others = (0..3).filter(|j| *j != k);
-                let weight: f64 = others.map(|j| nodes[j] / (nodes[j] - nodes[k])).product();
-                weight * self.z[k][last]
-            })
-            .sum();
-        self.s[last] += at_start;
-        self.z.iter_mut().for_each(|z| z[last] -= at_start);
+        let weight = |k: usize| -> f64 {
+            let others = (0..3).filter(|j| *j != k);
+            others.map(|j| nodes[j] / (nodes[j] - nodes[k])).product()
+        };
+        let weights = [0, 1, 2].map(weight);
+        for i in last {
+            let at_start: f64 = (0..3).map(|k| weights[k] * self.z[k][i]).sum();
+            self.s[i] += at_start;
+            self.z.iter_mut().for_each(|z| z[i] -= at_start);
+        }
+    }
+}
+
+/// Turns the right sides `r` at the stages into those of the systems for the corrections `dW`.
+fn residuals(r: &mut [Vec<f64>; 3], w: &[Vec<f64>; 3], mass: &[f64], width: usize, shift: Shift) {
+    let [r1, r2, r3] = r;
+    let [w1, w2, w3] = w;
+    for (row, mass) in mass.iter().enumerate() {
+        let range = row * width..(row + 1) * width;
+        let (r1, r2, r3) = (&mut r1[range.clone()], &mut r2[range.clone()], &mut r3[range.clone()]);
+        let (w1, w2, w3) = (&w1[range.clone()], &w2[range.clone()], &w3[range]);
+        for i in 0..width {
+            let w = [mass * w1[i], mass * w2[i], mass * w3[i]];
+            [r1[i], r2[i], r3[i]] = transformed_residual([r1[i], r2[i], r3[i]], w, shift);
+        }
     }
 }
 
@@ -258,7 +337,7 @@ impl Whole {
     fn fill(
         &mut self,
         system: &dyn Variational,
-        h: f64,
+        (h, width): (f64, usize),
         mass: &[f64],
         unit: &mut [f64],
         memory: &mut [Vec<f64>; 3],
@@ -274,13 +353,19 @@ impl Whole {
                 }
             }
             unit.fill(0.0);
-            system.slope(stage, 0, unit, base);
-            for j in 0..n {
-                unit[j] = 1.0;
-                system.slope(stage, 0, unit, slope);
-                unit[j] = 0.0;
-                for i in 0..n {
-                    self.matrix[stage * n + i + 3 * n * (stage * n + j)] -= slope[i] - base[i];
+            system.slopes(stage, width, unit, base);
+            // As many columns of the Jacobian at once as a panel has.
+            for first in (0..n).step_by(width) {
+                let count = width.min(n - first);
+                (0..count).for_each(|d| unit[(first + d) * width + d] = 1.0);
+                system.slopes(stage, width, unit, slope);
+                (0..count).for_each(|d| unit[(first + d) * width + d] = 0.0);
+                for d in 0..count {
+                    for i in 0..n {
+                        let at = i * width + d;
+                        self.matrix[stage * n + i + 3 * n * (stage * n + first + d)] -=
+                            slope[at] - base[at];
+                    }
                 }
             }
         }

@@ -69,6 +69,7 @@ pub struct Sensitivity {
     is_stale: bool,
     /// The instructions that the recorded variables depend on.
     outputs: Vec<Instr>,
+    /// A panel of derivatives, with room for one more component during sliding.
     s: Vec<f64>,
     /// Shift of the instant of the current event with each input.
     shift: Vec<f64>,
@@ -83,9 +84,9 @@ pub struct Sensitivity {
 
 /// The variational equations at the stages of a step.
 struct Linearization {
-    n: usize,
+    width: usize,
     jacobian: [Vec<f64>; 3],
-    /// `df/dp`, input by input.
+    /// `df/dp`, as panels with the columns of the variation.
     forcing: [Vec<f64>; 3],
     starts: Vec<usize>,
     rows: Vec<usize>,
@@ -139,10 +140,12 @@ impl Sensitivity {
         let pattern = system.pattern()?;
         let entries = || std::array::from_fn(|_| vec![0.0; pattern.entries()]);
         let rows = (0..n).flat_map(|j| pattern.column(j).iter().copied()).collect();
+        let variation = Variation::new(n, count);
+        let width = variation.width();
         let linearization = Linearization {
-            n,
+            width,
             jacobian: entries(),
-            forcing: std::array::from_fn(|_| vec![0.0; n * count]),
+            forcing: std::array::from_fn(|_| vec![0.0; n * width]),
             starts: pattern.column_starts().to_vec(),
             rows,
         };
@@ -155,12 +158,12 @@ impl Sensitivity {
         Some(Sensitivity {
             count,
             tangents: Some(Box::new(tangents)),
-            variation: Variation::new(n, count),
+            variation,
             linearization,
             forcing: Box::new(Forcing::new(program, count)),
             is_stale: true,
             outputs,
-            s: vec![0.0; n],
+            s: vec![0.0; (n + 1) * width],
             shift: vec![0.0; count + 1],
             slopes: vec![0.0; recorded.len() * count],
             recorded,
@@ -263,18 +266,12 @@ impl Sensitivity {
     fn place(&mut self, program: &Program, t: f64) {
         let Some(tangents) = &mut self.tangents else { return };
         let layout = &program.layout;
-        for direction in 0..self.count {
-            match &self.surface {
-                Some(surface) => {
-                    self.s.push(0.0);
-                    surface.variation.interpolate(direction, t, &mut self.s);
-                    self.s.pop();
-                }
-                None => self.variation.interpolate(direction, t, &mut self.s),
-            }
-            for i in 0..program.order() {
-                tangents.of_mut(layout.states + i as Slot)[direction] = self.s[i];
-            }
+        let variation = self.surface.as_ref().map_or(&self.variation, |s| &s.variation);
+        let s = &mut self.s[..variation.at_end().len()];
+        variation.interpolate(t, s);
+        for (i, row) in s.chunks_exact(variation.width()).take(program.order()).enumerate() {
+            let slot = layout.states + i as Slot;
+            tangents.of_mut(slot)[..self.count].copy_from_slice(&row[..self.count]);
         }
         tangents.of_mut(layout.time).fill(0.0);
         layout.signals.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
@@ -328,44 +325,41 @@ impl Sensitivity {
     pub fn depart(&mut self, machine: &Machine<'_>, t: f64) {
         let layout = &machine.program.layout;
         let order = machine.program.order();
-        let Some(tangents) = &mut self.tangents else { return };
-        for direction in 0..self.count {
-            for i in 0..order {
-                let arrived = tangents.of(layout.states + i as Slot)[direction];
-                let rate = machine.get(layout.derivatives[i]);
-                self.s[i] = arrived - rate * self.shift[direction];
+        let Some(tangents) = &self.tangents else { return };
+        let s = &mut self.s[..self.variation.at_end().len()];
+        s.fill(0.0);
+        let rows = s.chunks_exact_mut(self.variation.width()).take(order);
+        for (i, row) in rows.enumerate() {
+            let arrived = tangents.of(layout.states + i as Slot);
+            let rate = machine.get(layout.derivatives[i]);
+            for ((s, arrived), shift) in row.iter_mut().zip(&arrived[..self.count]).zip(&self.shift)
+            {
+                *s = arrived - rate * shift;
             }
-            self.s[order..].fill(0.0);
-            self.variation.restart(t, direction, &self.s);
         }
+        self.variation.restart(t, s);
         (self.surface, self.arrival) = (None, None);
     }
 
     /// Restarts at `t` with the derivatives of the states in the memory.
     pub fn restart_from_memory(&mut self, program: &Program, t: f64) {
-        let Some(tangents) = &mut self.tangents else { return };
-        for direction in 0..self.count {
-            for i in 0..program.order() {
-                self.s[i] = tangents.of(program.layout.states + i as Slot)[direction];
-            }
-            self.s[program.order()..].fill(0.0);
-            self.variation.restart(t, direction, &self.s);
+        let Some(tangents) = &self.tangents else { return };
+        let s = &mut self.s[..self.variation.at_end().len()];
+        s.fill(0.0);
+        let rows = s.chunks_exact_mut(self.variation.width()).take(program.order());
+        for (i, row) in rows.enumerate() {
+            let own = tangents.of(program.layout.states + i as Slot);
+            row[..self.count].copy_from_slice(&own[..self.count]);
         }
+        self.variation.restart(t, s);
         self.surface = None;
     }
 
     /// Restarts at `t`, the end of the last step.
     pub fn restart(&mut self, t: f64) {
-        if let Some(surface) = &mut self.surface {
-            for direction in 0..self.count {
-                let s = surface.variation.at_end(direction).to_vec();
-                surface.variation.restart(t, direction, &s);
-            }
-            return;
-        }
-        for direction in 0..self.count {
-            self.s.copy_from_slice(self.variation.at_end(direction));
-            self.variation.restart(t, direction, &self.s);
+        match &mut self.surface {
+            Some(surface) => surface.variation.restart_here(t),
+            None => self.variation.restart_here(t),
         }
     }
 }
@@ -393,11 +387,7 @@ impl Sensitivity {
         let program = system.machine.program;
         let (slots, n) = (program.image.len(), program.order());
         let mut surface = Box::new(Surface::new(slots, n, self.count, self.recorded.len()));
-        let variation = &self.variation;
-        let before = |direction: usize, s: &mut [f64]| {
-            s.copy_from_slice(&variation.at_end(direction)[..s.len()]);
-        };
-        surface.enter(system, &mut self.tangents, (t, y), truth, before)?;
+        surface.enter(system, &mut self.tangents, (t, y), truth, self.variation.at_end())?;
         self.surface = Some(surface);
         Ok(())
     }
@@ -405,11 +395,9 @@ impl Sensitivity {
     /// Leaves the surface smoothly at `t` within the last step.
     fn leave_surface(&mut self, t: f64) {
         let Some(surface) = self.surface.take() else { return };
-        let mut s = vec![0.0; self.s.len() + 1];
-        for direction in 0..self.count {
-            surface.variation.interpolate(direction, t, &mut s);
-            self.variation.restart(t, direction, &s[..self.s.len()]);
-        }
+        // The last component, the weight of a side, is not needed any more.
+        surface.variation.interpolate(t, &mut self.s);
+        self.variation.restart(t, &self.s[..self.variation.at_end().len()]);
     }
 }
 
@@ -540,21 +528,23 @@ impl Variational for TrajectoryEquations<'_, '_> {
         let outcome = outcome.and_then(|()| forcing.propagate(machine));
         machine.clamp_domain = false;
         outcome.map_err(|_| EvalError::Recoverable(0))?;
-        for (i, slot) in program.layout.derivatives.iter().enumerate() {
-            for (direction, d) in forcing.of(*slot).iter().enumerate() {
-                memory.forcing[stage][direction * memory.n + i] = *d;
-            }
+        let rows = memory.forcing[stage].chunks_exact_mut(memory.width);
+        for (row, slot) in rows.zip(&program.layout.derivatives) {
+            let derivatives = forcing.of(*slot);
+            row[..derivatives.len()].copy_from_slice(derivatives);
         }
         Ok(())
     }
 
-    fn slope(&self, stage: usize, direction: usize, s: &[f64], out: &mut [f64]) {
-        let Linearization { n, jacobian, forcing, starts, rows } = &*self.memory;
-        out.copy_from_slice(&forcing[stage][direction * n..(direction + 1) * n]);
-        for (j, s) in s.iter().enumerate() {
-            if *s != 0.0 {
-                for k in starts[j]..starts[j + 1] {
-                    out[rows[k]] += jacobian[stage][k] * s;
+    fn slopes(&self, stage: usize, width: usize, s: &[f64], out: &mut [f64]) {
+        let Linearization { jacobian, forcing, starts, rows, .. } = &*self.memory;
+        out.copy_from_slice(&forcing[stage]);
+        for (j, s) in s.chunks_exact(width).enumerate() {
+            for k in starts[j]..starts[j + 1] {
+                let entry = jacobian[stage][k];
+                if entry != 0.0 {
+                    let row = &mut out[rows[k] * width..(rows[k] + 1) * width];
+                    row.iter_mut().zip(s).for_each(|(out, s)| *out += entry * s);
                 }
             }
         }

@@ -52,7 +52,7 @@ pub struct Equations {
 struct Point {
     /// Weighted Jacobian, column-major.
     jacobian: Vec<f64>,
-    /// Weighted derivatives with respect to the inputs, input by input.
+    /// Weighted derivatives with respect to the inputs, state by state.
     forcing: Vec<f64>,
     /// `f1 - f0`
     jump: Vec<f64>,
@@ -88,14 +88,14 @@ impl Surface {
         }
     }
 
-    /// Enters at `(t, y)` with the derivatives `s` for each input on the side of `truth`.
+    /// Enters at `(t, y)` with the derivatives `s` on the side of `truth`, a panel with a column for each input.
     pub fn enter(
         &mut self,
         system: &mut HybridSystem<'_>,
         tangents: &mut Option<Box<Tangents>>,
         (t, y): (f64, &[f64]),
         truth: bool,
-        s: impl Fn(usize, &mut [f64]),
+        s: &[f64],
     ) -> Result<(), EvalError> {
         let n = system.machine.program.order();
         let Some(mut sliding) = system.sliding.take() else { return Ok(()) };
@@ -111,18 +111,22 @@ impl Surface {
             true => (rates.when_true, 1.0 - point.weight),
             false => (rates.when_false, -point.weight),
         };
-        let mut initial = vec![0.0; n + 1];
-        for direction in 0..self.equations.count {
-            s(direction, &mut initial[..n]);
-            let indicator: f64 =
-                initial.iter().zip(&point.indicator_by_state).map(|(s, g)| s * g).sum();
-            let shift = -(indicator + point.indicator_by_input[direction]) / rate;
-            for (s, jump) in initial[..n].iter_mut().zip(&point.jump) {
+        let width = self.variation.width();
+        let shifts: Vec<f64> = (0..self.equations.count)
+            .map(|d| {
+                let gradient = point.indicator_by_state.iter().enumerate();
+                let indicator: f64 = gradient.map(|(i, g)| s[i * width + d] * g).sum();
+                -(indicator + point.indicator_by_input[d]) / rate
+            })
+            .collect();
+        let mut initial = vec![0.0; (n + 1) * width];
+        initial[..n * width].copy_from_slice(&s[..n * width]);
+        for (row, jump) in initial.chunks_exact_mut(width).zip(&point.jump) {
+            for (s, shift) in row.iter_mut().zip(&shifts) {
                 *s += rest * jump * shift;
             }
-            initial[n] = 0.0;
-            self.variation.restart(t, direction, &initial);
         }
+        self.variation.restart(t, &initial);
         Ok(())
     }
 
@@ -144,18 +148,18 @@ impl Surface {
         let blended = machine.memory.clone();
         let y = machine.states().to_vec();
         let part = sliding.rates(machine, t, &y)?.weight();
-        let mut s = vec![0.0; n + 1];
+        let width = self.variation.width();
+        let mut s = vec![0.0; (n + 1) * width];
         let mut parts = vec![0.0; count];
         if let Some(tangents) = tangents {
             tangents.of_mut(layout.time).fill(0.0);
             layout.signals.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
-            for (direction, part) in parts.iter_mut().enumerate() {
-                self.variation.interpolate(direction, t, &mut s);
-                *part = s[n];
-                for (i, s) in s[..n].iter().enumerate() {
-                    tangents.of_mut(layout.states + i as Slot)[direction] = *s;
-                }
+            self.variation.interpolate(t, &mut s);
+            for (i, row) in s.chunks_exact(width).take(n).enumerate() {
+                let slot = layout.states + i as Slot;
+                tangents.of_mut(slot)[..count].copy_from_slice(&row[..count]);
             }
+            parts.copy_from_slice(&s[n * width..n * width + count]);
         }
         for truth in [0, 1] {
             machine.tangents = tangents.take();
@@ -264,10 +268,10 @@ impl Point {
         weight: f64,
     ) {
         let layout = &machine.program.layout;
-        let n = layout.derivatives.len();
         for (i, slot) in layout.derivatives.iter().enumerate() {
-            for (direction, d) in tangents.of(*slot)[..count].iter().enumerate() {
-                self.forcing[direction * n + i] += weight * d;
+            let row = &mut self.forcing[i * count..(i + 1) * count];
+            for (forcing, d) in row.iter_mut().zip(&tangents.of(*slot)[..count]) {
+                *forcing += weight * d;
             }
         }
         self.indicator_by_input
@@ -327,20 +331,33 @@ impl Variational for SurfaceEquations<'_, '_> {
         outcome
     }
 
-    fn slope(&self, stage: usize, direction: usize, s: &[f64], out: &mut [f64]) {
+    fn slopes(&self, stage: usize, width: usize, s: &[f64], out: &mut [f64]) {
         let point = &self.equations.points[stage];
-        let n = point.jump.len();
-        let (states, part) = (&s[..n], s[n]);
-        out[..n].copy_from_slice(&point.forcing[direction * n..(direction + 1) * n]);
-        for (s, column) in states.iter().zip(point.jacobian.chunks_exact(n)) {
-            for (out, j) in out.iter_mut().zip(column) {
-                *out += j * s;
+        let (n, count) = (point.jump.len(), self.equations.count);
+        let rows = || s.chunks_exact(width);
+        let Some(part) = rows().nth(n) else { return };
+        out.fill(0.0);
+        for (row, forcing) in
+            out.chunks_exact_mut(width).zip(point.forcing.chunks_exact(count.max(1)))
+        {
+            row[..count].copy_from_slice(forcing);
+        }
+        let mut add = |i: usize, factor: f64, s: &[f64]| {
+            if factor != 0.0 {
+                let row = &mut out[i * width..(i + 1) * width];
+                row.iter_mut().zip(s).for_each(|(out, s)| *out += factor * s);
             }
+        };
+        for (s, column) in rows().zip(point.jacobian.chunks_exact(n)) {
+            column.iter().enumerate().for_each(|(i, entry)| add(i, *entry, s));
         }
-        for (out, jump) in out.iter_mut().zip(&point.jump) {
-            *out += jump * part;
+        point.jump.iter().enumerate().for_each(|(i, jump)| add(i, *jump, part));
+        for (s, gradient) in rows().zip(&point.indicator_by_state) {
+            add(n, *gradient, s);
         }
-        let indicator: f64 = states.iter().zip(&point.indicator_by_state).map(|(s, g)| s * g).sum();
-        out[n] = point.indicator_by_input[direction] + indicator;
+        let constraint = &mut out[n * width..n * width + count];
+        for (out, by_input) in constraint.iter_mut().zip(&point.indicator_by_input) {
+            *out += by_input;
+        }
     }
 }
