@@ -118,6 +118,13 @@ pub fn promising(
         choices += usize::from(is_choice);
         proposals.push(s);
     }
+    // Most curves are given up early once a straight line that promises nearly as much has been fitted.
+    let varies = |s: &Scored| study.effects[s.effect].varies.is_some();
+    let lines = proposals.iter().filter(|s| varies(s) && !study.is_curve(s.effect));
+    let line = lines.map(|s| s.gain).fold(0.0, f64::max);
+    proposals.sort_by_key(|s| {
+        varies(s) && study.is_curve(s.effect) && line > policy.straight_share * s.gain
+    });
     let total = |s: &Scored| s.bic_gain(hypothesis) + s.validation_gain.unwrap_or(0.0);
     let is_named =
         |s: &Scored| !study.is_curve(s.effect) && study.effects[s.effect].varies.is_none();

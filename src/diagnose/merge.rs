@@ -1,15 +1,39 @@
-//! Several parameters that vary alike, found one after the other: one phenomenon in place of several effects.
+//! Several parameters that vary alike, of which one is found first, or one after the other: one phenomenon in place of
+//! several effects.
 
 use crate::calibrate::fit::refined;
 use crate::calibrate::problem::Problem;
 
 use super::backward_elimination::without;
+use super::candidate_fit::CandidateFits;
 use super::hypothesis::{Hypothesis, attach, groups};
 use super::place::Place;
 use super::rank::Scored;
 use super::result::Diagnosis;
-use super::revise::{accept_instead, not_fitted};
+use super::revise::{accept_first_better, accept_instead, neighbours, not_fitted, stripped};
 use super::search::Search;
+
+/// Adds parameters that vary as the one that was found does, one at a time, for as long as the data support that. Its
+/// amplitude is known by now, so these fits begin close to their ends, and a search for a second effect may be needless.
+pub fn widen_variation(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    loop {
+        let after = diagnosis.after.clone();
+        let is_done = after.is_resolved(search.policy()) || !search.may_continue();
+        let proposals = neighbours(search, &after);
+        if is_done || proposals.is_empty() {
+            return;
+        }
+        let Some(start) = stripped(search, &after) else { return };
+        let (from, proposals) = (&start, &proposals[..]);
+        let give_up_above = Some(after.train.total());
+        let fits = CandidateFits { search, from, proposals, depth: 0, give_up_above };
+        let mut hypotheses = fits.run();
+        hypotheses.retain(|h| h.train.total() < after.train.total());
+        if !accept_first_better(search, diagnosis, hypotheses) {
+            return;
+        }
+    }
+}
 
 /// Replaces two parameters that vary along straight lines over the same variable by one effect with a common slope, for
 /// as long as the data support that.

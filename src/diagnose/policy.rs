@@ -68,6 +68,9 @@ pub struct SearchPolicy {
     pub proposals_if_short: usize,
     /// Of these, parameters that vary. Default 3: they describe much and name nothing.
     pub fitted_variations: usize,
+    /// Share of the promise of a parameter that varies along a curve which the best straight line must promise to be fitted
+    /// first. Default 0.9.
+    pub straight_share: f64,
     /// Of these, laws that the model chooses. Default 2: what they promise counts other parameters as well.
     pub fitted_choices: usize,
     /// Places that are fitted besides because they promise most for recordings that were never fitted.
@@ -198,6 +201,7 @@ impl Default for SearchPolicy {
             fitted_places: 5,
             proposals_if_short: 2,
             fitted_variations: 3,
+            straight_share: 0.9,
             fitted_choices: 2,
             fitted_by_validation: 2,
             fits_of_the_same: 3,

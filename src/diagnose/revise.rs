@@ -214,7 +214,7 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
 }
 
 /// If parameters vary: the sets that differ from theirs by one parameter, with the same amplitude, small ones first.
-fn neighbours(search: &Search<'_>, current: &Hypothesis) -> Vec<Vec<Scored>> {
+pub fn neighbours(search: &Search<'_>, current: &Hypothesis) -> Vec<Vec<Scored>> {
     let study = search.study;
     let [chosen] = current.effects.as_slice() else { return Vec::new() };
     let effect = &study.effects[chosen.effect];
@@ -278,7 +278,7 @@ fn simpler(search: &Search<'_>, from: &Hypothesis, before: &Hypothesis) -> Optio
 }
 
 /// The model without effects at the parameters of a hypothesis, not fitted again.
-fn stripped(search: &Search<'_>, from: &Hypothesis) -> Option<Hypothesis> {
+pub fn stripped(search: &Search<'_>, from: &Hypothesis) -> Option<Hypothesis> {
     let plan = plan_without_effects(search.study, from);
     Hypothesis::fitted(search.study, Vec::new(), plan, &mut |p| not_fitted(p)).ok()
 }

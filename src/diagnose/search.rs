@@ -17,7 +17,7 @@ use super::effective_evidence::eliminate_unsupported;
 use super::formula_fit::replace_curves;
 use super::forward_selection::forward_selection;
 use super::hypothesis::{Hypothesis, groups, plan_without_effects};
-use super::merge::merge_variations;
+use super::merge::{merge_variations, widen_variation};
 use super::noise::noise;
 use super::pairwise_selection::pairwise_selection;
 use super::place::Place;
@@ -163,12 +163,16 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     if has_other_noise(search, &mut diagnosis) {
         return diagnosis;
     }
+    widen_variation(search, &mut diagnosis);
     // Beside an effect that explains nearly everything, a second one is closer at hand than a pair without it.
-    if search.leads(&diagnosis.before, &diagnosis.after) {
+    let leads = search.leads(&diagnosis.before, &diagnosis.after);
+    if leads {
         forward_selection(search, &mut diagnosis, 1..usual);
     }
+    let left = diagnosis.after.train.total();
     pairwise_selection(search, &mut diagnosis);
-    if groups(&diagnosis.after.effects).count() == 1 {
+    let is_searched = leads && diagnosis.after.train.total() == left;
+    if groups(&diagnosis.after.effects).count() == 1 && !is_searched {
         forward_selection(search, &mut diagnosis, 1..usual);
     }
     if has_other_noise(search, &mut diagnosis) {
