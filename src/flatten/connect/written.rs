@@ -5,13 +5,13 @@
 //! Whatever the whole set of connections decides is found from this list: the variables of
 //! expandable connectors, the number of connections of a connector, the roots of a graph.
 
-use super::expandable::connection_ends::{self, ConnectionEnd};
+use super::expandable::connection_ends::{self, ConnectionEnd, EndTarget};
 use crate::base::source::Span;
 use crate::evaluate::Evaluator;
 use crate::evaluate::frame::Frames;
 use crate::evaluate::implicit_ranges::Body;
 use crate::ir::ast::{ComponentRef, Equation, EquationKind, Expr, ExprKind};
-use crate::ir::instance::{InstanceId, Scope, SectionKind};
+use crate::ir::instance::{InstanceId, InstanceKind, Scope, SectionKind};
 
 /// A `connect` of the source with its enclosing iterators.
 pub(crate) struct WrittenConnect {
@@ -123,11 +123,37 @@ pub(crate) fn pairs(
     let (left, right) = cx.with_frames(&connect.frames, |cx| {
         (connection_ends::of(cx, a, connect.scope), connection_ends::of(cx, b, connect.scope))
     });
-    match (left, right) {
-        (Some(left), Some(right)) if left.len() == right.len() => {
-            left.into_iter().zip(right).collect()
+    let (Some(mut left), Some(mut right)) = (left, right) else { return Vec::new() };
+    if left.len() != right.len() {
+        // An array of connectors, and a connector of each component of an array.
+        left = elements(cx, left);
+        right = elements(cx, right);
+    }
+    // `connect` itself reports wrong sizes and names.
+    if left.len() == right.len() { left.into_iter().zip(right).collect() } else { Vec::new() }
+}
+
+/// The ends with arrays of components split into their elements.
+fn elements(cx: &Evaluator<'_>, ends: Vec<ConnectionEnd>) -> Vec<ConnectionEnd> {
+    let mut out = Vec::with_capacity(ends.len());
+    for end in ends {
+        match end.at {
+            EndTarget::Instance(id) => split(cx, id, &end, &mut out),
+            _ => out.push(end),
         }
-        // `connect` itself reports wrong sizes and names.
-        _ => Vec::new(),
+    }
+    out
+}
+
+fn split(cx: &Evaluator<'_>, id: InstanceId, end: &ConnectionEnd, out: &mut Vec<ConnectionEnd>) {
+    match &cx.instances[id].kind {
+        InstanceKind::Array { elements, .. } => {
+            elements.iter().for_each(|e| split(cx, *e, end, out));
+        }
+        InstanceKind::Variable { dims, .. } if !dims.is_empty() => {
+            let scalar = ConnectionEnd { at: EndTarget::Element(id), member: end.member };
+            out.extend(vec![scalar; dims.iter().product()]);
+        }
+        _ => out.push(ConnectionEnd { at: EndTarget::Instance(id), member: end.member }),
     }
 }
