@@ -10,7 +10,7 @@ use super::history::Synthetic;
 use super::reference::Selection;
 use super::value::Value;
 use crate::base::index::{FastMap, FastSet};
-use crate::base::name::Name;
+use crate::base::name::{Name, name};
 use crate::base::source::Span;
 use crate::ir::ast::{ClassKind, ComponentRef, ConnectionPrefix, Expr, ExprKind, Variability};
 use crate::ir::expr::{Binary, ExprId, Node, Type, VarId};
@@ -25,7 +25,19 @@ pub struct GraphRoots {
     pub rooted: FastMap<InstanceId, bool>,
 }
 
+/// The name of the function that makes a type or record an overdetermined one.
+pub(crate) fn equality_constraint() -> Name {
+    name("equalityConstraint")
+}
+
 impl Evaluator<'_> {
+    /// True for a variable or record whose type has a function `equalityConstraint`.
+    pub(crate) fn is_overdetermined(&mut self, id: InstanceId) -> bool {
+        let kind = &self.instances[id].kind;
+        let has_type = matches!(kind, InstanceKind::Variable { .. } | InstanceKind::Object(_));
+        has_type && self.table_of(id).index.contains_key(&equality_constraint())
+    }
+
     /// `Connections.isRoot(a)`, `Connections.rooted(a)`, and `rooted(a)` of older libraries; `None`
     /// for any other function.
     pub(super) fn graph_query(
@@ -65,6 +77,10 @@ impl Evaluator<'_> {
             Selection::Whole(mut id) => {
                 while let InstanceKind::Outer(inner) = self.instances[id].kind {
                     id = inner;
+                }
+                if !self.is_overdetermined(id) {
+                    self.report(BuiltinCause::NotAGraphNode, r.span);
+                    return None;
                 }
                 let Some(graph) = &self.builtins.graph_roots else {
                     self.report(BuiltinCause::RootOutsideEquations, span);

@@ -26,6 +26,7 @@ mod function_argument;
 pub mod history;
 pub mod implicit_ranges;
 pub mod inline;
+mod linear_algebra;
 mod loop_function;
 pub mod mode;
 pub mod operator;

@@ -74,6 +74,10 @@ causes! {
         error MO1352 NotAStream (section "15.2")
             => ("the argument must be a `stream` variable of a connector"),
             help("name a variable that its connector declares with `stream`");
+        /// A variable of which a connection graph knows nothing.
+        error MO1353 NotAGraphNode (section "9.4.1")
+            => ("the argument must be an overdetermined variable or record of a connector"),
+            help("name one whose type has a function `equalityConstraint`");
         /// A `String` has an invalid format.
         error MO1270 NumberFormat { format: String } (section "3.7.1")
             => ("cannot write a number in the format `{format}`"),

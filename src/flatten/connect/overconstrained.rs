@@ -12,10 +12,9 @@ use super::expandable::connection_ends::EndTarget;
 use super::written::{self, Written, WrittenGraphCall, pairs};
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
-use crate::base::name::{Name, name};
 use crate::base::source::Span;
 use crate::evaluate::Evaluator;
-use crate::evaluate::connection_operator::GraphRoots;
+use crate::evaluate::connection_operator::{GraphRoots, equality_constraint};
 use crate::evaluate::reference::Selection;
 use crate::evaluate::value::Value;
 use crate::graph::spanning_forest::{ConnectionGraph, Fate, SpanningForest, spanning_forest};
@@ -34,14 +33,10 @@ impl BrokenConnections {
     }
 }
 
-/// The name of the function that makes a type or record an overdetermined one.
-pub(super) fn equality_constraint() -> Name {
-    name("equalityConstraint")
-}
-
 /// Selects the roots of the connection graph below `root`, and the connections to break.
 pub(super) fn elaborate(cx: &mut Evaluator<'_>, root: InstanceId) -> BrokenConnections {
     if !cx.sources.contents().any(|text| text.contains("equalityConstraint")) {
+        cx.builtins.graph_roots = Some(GraphRoots::default());
         return BrokenConnections::default();
     }
     let Written { connects, graph_calls } = written::below(cx, root);
@@ -165,7 +160,7 @@ fn overdetermined(cx: &mut Evaluator<'_>, at: &Selection, out: &mut Vec<Instance
                 InstanceKind::Array { elements, .. } => {
                     elements.iter().all(|e| overdetermined(cx, &Selection::Whole(*e), out))
                 }
-                _ if is_overdetermined(cx, *id) => {
+                _ if cx.is_overdetermined(*id) => {
                     out.push(*id);
                     true
                 }
@@ -173,15 +168,6 @@ fn overdetermined(cx: &mut Evaluator<'_>, at: &Selection, out: &mut Vec<Instance
             }
         }
     }
-}
-
-/// True for a variable or record whose type has a function `equalityConstraint`.
-pub(super) fn is_overdetermined(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
-    let has_type = matches!(
-        cx.instances[id].kind,
-        InstanceKind::Variable { .. } | InstanceKind::Object(_)
-    );
-    has_type && cx.table_of(id).index.contains_key(&equality_constraint())
 }
 
 /// The pairs of overdetermined variables below two connected connectors.
@@ -203,7 +189,7 @@ fn overdetermined_pairs(
             }
         }
         (InstanceKind::Object(_) | InstanceKind::Variable { .. }, _)
-            if is_overdetermined(cx, x) && is_overdetermined(cx, y) =>
+            if cx.is_overdetermined(x) && cx.is_overdetermined(y) =>
         {
             out.push((x, y, span));
         }
