@@ -152,8 +152,8 @@ fn triangularize(g: &mut Graph, a: &mut Matrix, b: &mut Matrix) {
         let squared = g.sum(squares);
         for (matrix, from) in [(&mut *a, k), (&mut *b, 0)] {
             for j in from..matrix[k].len() {
-                let products = (k..m).map(|i| g.mul(v[i - k], matrix[i][j])).collect();
-                let product: ExprId = g.sum(products);
+                let products: Vec<ExprId> = (k..m).map(|i| g.mul(v[i - k], matrix[i][j])).collect();
+                let product = g.sum(products);
                 let ratio = g.div(product, squared);
                 let two = g.real(2.0);
                 let factor = g.mul(two, ratio);
@@ -167,8 +167,8 @@ fn triangularize(g: &mut Graph, a: &mut Matrix, b: &mut Matrix) {
 }
 
 fn norm(g: &mut Graph, column: &[ExprId]) -> ExprId {
-    let squares = column.iter().map(|x| g.mul(*x, *x)).collect();
-    let sum: ExprId = g.sum(squares);
+    let squares: Vec<ExprId> = column.iter().map(|x| g.mul(*x, *x)).collect();
+    let sum = g.sum(squares);
     g.unary(Unary::Sqrt, sum)
 }
 
