@@ -458,10 +458,15 @@ impl ClassGraph<'_> {
             // The same element inherited twice is one element (section 7.1).
             if let Some(&at) = table.index.get(&entry.name.name) {
                 let before = &table.entries[at];
+                // What the clause modifies of an element may be all in which it differs.
+                let is_modified = |layers: &[(Arc<ast::Modification>, ClassId)]| {
+                    layers.iter().any(|(m, _)| m.names().any(|n| n.name == entry.name.name))
+                };
+                let modified = is_modified(&before.layers) || is_modified(&all);
                 if before.name.span != entry.name.span
                     && !before.element.redeclare
                     && !matches!(&before.kind, EntryKind::Class(c) if is_class_extends(c))
-                    && !self.identical(before, entry)
+                    && !self.identical(before, entry, modified)
                 {
                     let (before, entry) = (before.clone(), entry.clone());
                     self.report_inherited_duplicate(&before, &entry.name);
@@ -512,7 +517,7 @@ impl ClassGraph<'_> {
         } else {
             // An inherited element that is declared again must be identical (section 7.3 of the
             // specification); the new declaration is kept.
-            if !self.identical(&table.entries[at], &entry) {
+            if !self.identical(&table.entries[at], &entry, false) {
                 self.report_inherited_duplicate(&entry, &table.entries[at].name);
             }
             let component = table.entries[at].component;
@@ -521,7 +526,8 @@ impl ClassGraph<'_> {
     }
 
     /// Whether two declarations of one name say the same: type, sizes and modification, as written.
-    fn identical(&self, a: &Entry, b: &Entry) -> bool {
+    /// The modification is left out if an `extends` clause has `modified` one of them.
+    fn identical(&self, a: &Entry, b: &Entry, modified: bool) -> bool {
         let words = |span: Span| {
             let text = self.sources.text(span).unwrap_or_default();
             text.split_whitespace().collect::<String>()
@@ -549,8 +555,9 @@ impl ClassGraph<'_> {
             && of_a.prefix == of_b.prefix
             && of_a.type_dims.len() + a.component().dims.len()
                 == of_b.type_dims.len() + b.component().dims.len()
-            && written(a.component().modification.as_deref())
-                == written(b.component().modification.as_deref())
+            && (modified
+                || written(a.component().modification.as_deref())
+                    == written(b.component().modification.as_deref()))
     }
 
     fn enumeration(

@@ -20,10 +20,8 @@ pub enum Construct {
     GrowingArray,
     IteratorWithoutRange,
     NamedStringArguments,
-    OverconstrainedConnections,
     SecondDerivative,
     StateMachines,
-    Streams,
 }
 
 impl fmt::Display for Construct {
@@ -51,10 +49,8 @@ impl fmt::Display for Construct {
             Construct::NamedStringArguments => {
                 "named arguments of `String` for an operator record"
             }
-            Construct::OverconstrainedConnections => "over-constrained connection graphs",
             Construct::SecondDerivative => "the derivative of a derivative",
             Construct::StateMachines => "state machines",
-            Construct::Streams => "`stream` connectors",
         })
     }
 }

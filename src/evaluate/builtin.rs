@@ -6,6 +6,7 @@ use super::cause::array::ArrayCause;
 use super::cause::builtin::BuiltinCause;
 use super::cause::name::NameCause;
 use super::cause::types::{TypeCause, Underived};
+use super::connection_operator::GraphRoots;
 use super::reference::Selection;
 use super::value::Value;
 use crate::base::diag::{Diagnostic, did_you_mean};
@@ -21,7 +22,7 @@ use crate::symbolic::gradient::{Leaf, time_derivative};
 
 /// Operators that refer to variables or to the run of a model, which functions do not have (section
 /// 12.2).
-const OF_MODELS: [&str; 10] = [
+const OF_MODELS: [&str; 12] = [
     "der",
     "pre",
     "edge",
@@ -32,10 +33,12 @@ const OF_MODELS: [&str; 10] = [
     "delay",
     "spatialDistribution",
     "cardinality",
+    "inStream",
+    "actualStream",
 ];
 
 /// Everything else that is called by a simple name, for "did you mean".
-const OTHERS: [&str; 42] = [
+const OTHERS: [&str; 44] = [
     "getInstanceName",
     "der",
     "pre",
@@ -50,6 +53,8 @@ const OTHERS: [&str; 42] = [
     "delay",
     "spatialDistribution",
     "cardinality",
+    "inStream",
+    "actualStream",
     "semiLinear",
     "String",
     "min",
@@ -82,7 +87,6 @@ const OTHERS: [&str; 42] = [
 
 /// Operators of the language that are not supported, with the chapter they belong to.
 const LATER: &[(Construct, &[&str])] = &[
-    (Construct::Streams, &["inStream", "actualStream"]),
     (
         Construct::Clocks,
         &[
@@ -122,6 +126,10 @@ pub struct Builtins {
     unshadowed: FastSet<(ClassId, Name)>,
     /// In how many connections each connector is; known once equations are read.
     pub(crate) cardinality: Option<FastMap<InstanceId, usize>>,
+    /// The roots of overconstrained connections; known once equations are read.
+    pub(crate) graph_roots: Option<GraphRoots>,
+    /// The variable that stands for `inStream` of each stream variable.
+    pub(crate) in_stream: FastMap<VarId, VarId>,
 }
 
 impl Evaluator<'_> {
@@ -156,6 +164,9 @@ impl Evaluator<'_> {
             span: function.span,
         };
         let Some(class) = self.find_class(&path, scope) else {
+            if let Some(answer) = self.graph_query(function, args, span, scope) {
+                return answer;
+            }
             if let Some(class) = self.function_of_component(&path, function, scope) {
                 return self.call_with(class, args, named, span, scope);
             }
@@ -270,9 +281,6 @@ impl Evaluator<'_> {
 
     fn report_unknown_function(&mut self, path: &crate::ir::ast::Path) {
         let name = path.to_string();
-        if path.parts.len() > 1 && path.parts[0].name == "Connections" {
-            return self.unsupported(path.span, Construct::OverconstrainedConnections);
-        }
         if let Some((what, _)) = LATER.iter().find(|(_, names)| names.contains(&&*name)) {
             return self.unsupported(path.span, *what);
         }
@@ -327,6 +335,8 @@ impl Evaluator<'_> {
             "delay" => self.delay(args, span, scope),
             "spatialDistribution" => self.spatial_distribution(args, named, span, scope),
             "cardinality" => self.cardinality(args, span, scope),
+            "inStream" => self.in_stream_call(args, span, scope),
+            "actualStream" => self.actual_stream_call(args, span, scope),
             "getInstanceName" => self.instance_name(scope),
             "String" => self.string_call(args, named, span, scope),
             "min" | "max" => self.min_max(name.as_str(), args, span, scope),

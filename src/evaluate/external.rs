@@ -76,6 +76,20 @@ impl Evaluator<'_> {
                 name(full_name.rsplit('.').next().unwrap_or_default())
             }
         };
+        if let Some(solved) = self.lapack(&called, external, scope) {
+            match solved {
+                Ok(results) => {
+                    for (to, value) in results {
+                        self.assign_local(to, value)?;
+                    }
+                    return Some(());
+                }
+                Err(why) => {
+                    self.report_refusal(&called, why, external, span);
+                    return None;
+                }
+            }
+        }
         let is_output = |e: &Expr| match &e.kind {
             ExprKind::Ref(r) => r.simple().filter(|n| outputs.contains(n)),
             _ => None,
@@ -103,32 +117,32 @@ impl Evaluator<'_> {
         let values = match self.native(&called, &args, span) {
             Ok(values) => values,
             Err(why) => {
-                match why {
-                    Refusal::Reported => {}
-                    Refusal::Wrong(why) => {
-                        let cause = CallCause::ExternalFailed { function: called.to_string(), why };
-                        self.problems.push(
-                            Diagnostic::new(cause, span)
-                                .also(external.span, "declared external here"),
-                        );
-                    }
-                    Refusal::Unknown => {
-                        let cause = CallCause::UnknownExternal { function: called.to_string() };
-                        self.problems.push(
-                            Diagnostic::new(cause, span)
-                                .also(external.span, "declared external here"),
-                        );
-                    }
-                }
+                self.report_refusal(&called, why, external, span);
                 return None;
             }
         };
         for (to, value) in results.into_iter().zip(values) {
-            let locals = self.frames.visible_mut();
-            let local = locals.iter_mut().find(|(n, _)| *n == to)?;
-            local.1 = value;
+            self.assign_local(to, value)?;
         }
         Some(())
+    }
+
+    fn assign_local(&mut self, to: Name, value: Value) -> Option<()> {
+        let locals = self.frames.visible_mut();
+        locals.iter_mut().find(|(n, _)| *n == to)?.1 = value;
+        Some(())
+    }
+
+    fn report_refusal(&mut self, called: &str, why: Refusal, external: &External, span: Span) {
+        let function = called.to_string();
+        let cause = match why {
+            Refusal::Reported => return,
+            Refusal::Wrong(why) => CallCause::ExternalFailed { function, why },
+            Refusal::Unknown => CallCause::UnknownExternal { function },
+        };
+        self.problems.push(
+            Diagnostic::new(cause, span).also(external.span, "declared external here"),
+        );
     }
 
     fn local_value(&self, wanted: Name) -> Option<Value> {

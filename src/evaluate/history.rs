@@ -31,6 +31,8 @@ pub(crate) enum Synthetic {
     Counter(Span),
     /// A random number.
     Number(RandomDraw),
+    /// The value of a stream variable that flows in.
+    InStream(VarId),
 }
 
 /// An expression that is delayed by a time that stays.
@@ -128,7 +130,7 @@ impl Evaluator<'_> {
         match after.and_then(|k| self.history.synthetic.get(k)) {
             Some(Synthetic::Number(drawing)) if drawing.counter.is_none() => Variability::Parameter,
             Some(Synthetic::Number(_) | Synthetic::Counter(_)) => Variability::Discrete,
-            Some(Synthetic::Delay(_)) | None => Variability::Continuous,
+            Some(Synthetic::Delay(_) | Synthetic::InStream(_)) | None => Variability::Continuous,
         }
     }
 

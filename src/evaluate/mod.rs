@@ -13,6 +13,7 @@ mod binding;
 pub mod builtin;
 pub mod cause;
 mod collection;
+pub mod connection_operator;
 pub mod demand;
 mod dynamic_index;
 mod error;
@@ -25,6 +26,7 @@ mod function_argument;
 pub mod history;
 pub mod implicit_ranges;
 pub mod inline;
+mod linear_algebra;
 mod loop_function;
 pub mod mode;
 pub mod operator;
@@ -185,7 +187,14 @@ impl Evaluator<'_> {
             ExprKind::Binary(op, a, b) => {
                 let a_value = self.evaluate(a, scope);
                 let b_value = self.guarded(*op, a_value.as_ref(), b, scope);
-                self.binary_operator(*op, a_value?, b_value?, e.span)
+                let value = self.binary_operator(*op, a_value?, b_value?, e.span)?;
+                let is_product = matches!(op, ast::BinaryOp::Mul | ast::BinaryOp::ElementMul);
+                if is_product && [a, b].into_iter().any(|e| self.is_actual_stream(e)) {
+                    return value.map(|v| {
+                        v.scalar().map(|e| Value::Scalar(self.graph.smooth(0, e)))
+                    });
+                }
+                Some(value)
             }
             ExprKind::If { branches, otherwise } => self.if_expression(branches, otherwise, scope),
             ExprKind::Call { function, args, named } => {

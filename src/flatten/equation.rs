@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::cause::{ConnectPlace, FlattenCause, WhenEquationPlace};
 use super::connect::Connections;
+use super::connect::written::is_graph_call;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
-use crate::classes::unsupported::Construct;
 use crate::evaluate::Evaluator;
 use crate::evaluate::assertion::{Asserted, level_of};
 use crate::evaluate::builtin::argument;
@@ -289,10 +289,8 @@ fn call_equation(
             cx.report(BuiltinCause::TerminateOutsideWhen, call.span);
             None
         }
-        _ if function.parts[0].name.name == "Connections" => {
-            cx.unsupported(call.span, Construct::OverconstrainedConnections);
-            None
-        }
+        // The connection graph has already read it.
+        _ if is_graph_call(call) => Some(()),
         _ => cx.call_alone(call, scope),
     }
 }

@@ -28,6 +28,7 @@ pub fn elaborate(cx: &mut Evaluator<'_>, flat: &mut FlatModel) {
                 let variable = defined(cx, flat, name, delay.value, delay.span);
                 flat.delays.push(Delay { variable, time: delay.time, span: delay.span });
             }
+            Synthetic::InStream(stream) => super::connect::streams::add_variable(flat, stream),
             Synthetic::Counter(span) => {
                 let zero = cx.graph.integer(0);
                 let counter = add_synthetic(flat, format!("$drawn{}", k + 1), Type::Integer, span);

@@ -1,6 +1,7 @@
 //! If-equations: decided by parameters, or merged branch by branch (Modelica 3.6, section 8.3.4).
 
 use super::cause::{FlattenCause, WhenEquationPlace};
+use super::connect::written::connects;
 use super::equation::{Target, expand_all};
 use crate::base::source::Span;
 use crate::evaluate::Evaluator;
@@ -66,18 +67,6 @@ pub(super) fn expand(
 /// Number of equations, without assertions.
 fn count(list: &[Equation]) -> usize {
     list.iter().filter(|e| matches!(e.kind, EquationKind::Equal(..))).count()
-}
-
-/// True if there is a `connect` among the equations.
-fn connects(list: &[ast::Equation]) -> bool {
-    list.iter().any(|e| match &e.kind {
-        ast::EquationKind::Connect(..) => true,
-        ast::EquationKind::If { branches, otherwise } => {
-            branches.iter().any(|(_, body)| connects(body)) || connects(otherwise)
-        }
-        ast::EquationKind::For { body, .. } => connects(body),
-        _ => false,
-    })
 }
 
 /// The variables, except parameters, and the derivatives that occur in equations, in order.

@@ -101,6 +101,7 @@ fn flatten_with(
     parameter_override::report_unused(cx, root, overrides);
     connect::expandable::elaborate(cx, root);
     connect::cardinality::count(cx, root);
+    connections.break_cycles(cx, root);
     connect::connector::check(cx, root);
     variable::number(cx, root, &mut flat);
     variable::fill(cx, &mut flat);

@@ -7,7 +7,8 @@
 //! A structural analysis calls them in this order: [`matching`] and, if that is not perfect,
 //! [`dulmage_mendelsohn`] to explain it; [`pantelides`] to find the equations to differentiate;
 //! [`dummy_derivatives`] to select the states; [`scc`] to order the equations into blocks;
-//! [`tearing`] to shrink each block. [`augment`] and [`rank`] serve them.
+//! [`tearing`] to shrink each block. [`augment`] and [`rank`] serve them. Before all that,
+//! [`spanning_forest`] breaks the cycles of overconstrained connections.
 pub mod augment;
 pub mod bipartite;
 pub mod dulmage_mendelsohn;
@@ -16,6 +17,7 @@ pub mod matching;
 pub mod pantelides;
 pub mod rank;
 pub mod scc;
+pub mod spanning_forest;
 pub mod tearing;
 
 #[cfg(test)]

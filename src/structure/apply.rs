@@ -5,7 +5,8 @@ use crate::graph::bipartite::{Col, Row};
 use crate::graph::pantelides::Reduction;
 use crate::ir::dae::{Dae, EqId, Equation, Variable, VariableKind};
 use crate::ir::expr::{ExprId, Graph, VarId};
-use crate::symbolic::gradient::{Leaf, time_derivative};
+use super::function_derivative::FunctionDerivatives;
+use crate::symbolic::gradient::{Leaf, time_derivative_through};
 
 /// Appends the derivative variables and differentiated equations of a reduction, whose rows are the
 /// equations in order. Returns the variable of each column.
@@ -13,6 +14,7 @@ pub fn differentiate(
     dae: &mut Dae,
     unknowns: &IndexVec<Col, VarId>,
     reduction: &Reduction,
+    functions: &FunctionDerivatives,
 ) -> IndexVec<Col, VarId> {
     let mut variable = unknowns.clone();
     let mut integral = IndexVec::filled(None, reduction.derivative.len());
@@ -40,18 +42,20 @@ pub fn differentiate(
     }
     for index in dae.equations.len()..reduction.differentiated.len() {
         let Some(of) = origin[Row::from_usize(index)] else { continue };
-        let equation = derivative(dae, EqId::from_usize(of.idx()));
+        let equation = derivative(dae, EqId::from_usize(of.idx()), functions);
         dae.equations.push(equation);
     }
     variable
 }
 
 /// The time derivative of an equation. Discrete variables do not change between events.
-fn derivative(dae: &mut Dae, of: EqId) -> Equation {
+fn derivative(dae: &mut Dae, of: EqId, functions: &FunctionDerivatives) -> Equation {
     let Equation { lhs, rhs, residual, origin, .. } = dae.equations[of].clone();
     let Dae { graph, variables, .. } = dae;
-    let [lhs, rhs, residual] =
-        [lhs, rhs, residual].map(|e| time_derivative(graph, e, |g, leaf| rate(g, variables, leaf)));
+    let [lhs, rhs, residual] = [lhs, rhs, residual].map(|e| {
+        let of_leaf = |g: &mut Graph, leaf| rate(g, variables, leaf);
+        time_derivative_through(graph, e, of_leaf, |g, call| functions.of_call(g, call))
+    });
     Equation { lhs, rhs, residual, origin, derivative_of: Some(of) }
 }
 

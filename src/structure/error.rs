@@ -33,7 +33,7 @@ causes! {
         error MO0404 NotDifferentiable
             => ("this equation constrains states and must be differentiated, but calls a function \
                  without derivative"),
-            help("write the function without loops, so that it can be inlined, or break the constraint");
+            help("write the function so that it does not call itself, or break the constraint");
         /// `stateSelect = always` of a variable that other states determine.
         error MO0405 DependentState { name: String } (section "4.8.7.1")
             => ("`{name}` cannot be a state: other states already determine it"),

@@ -15,6 +15,7 @@ use crate::graph::matching::{self, Matching};
 use crate::ir::blocks::{Block, Source};
 use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::VarId;
+use crate::ir::flat::StateSelect;
 
 /// The blocks of initialization, and the variables whose start values had to be assumed.
 pub fn sequence(
@@ -84,8 +85,9 @@ fn specified(dae: &Dae) -> EquationSystem {
     EquationSystem::new(dae, sources, dae.variables.ids().filter(is_unknown).collect())
 }
 
-/// The unknowns whose start values may be assumed, best first: states, then differentiated
-/// variables, then the others by priority.
+/// The unknowns whose start values may be assumed, best first: states with a written
+/// start value, variables preferred as states with one, states, then differentiated variables, then
+/// the others by priority.
 fn candidates(dae: &Dae, is_state: &IndexVec<VarId, bool>, system: &EquationSystem) -> Vec<Col> {
     let mut candidates: Vec<Col> = system.unknowns.ids().collect();
     candidates.sort_by_key(|col| {
@@ -95,7 +97,12 @@ fn candidates(dae: &Dae, is_state: &IndexVec<VarId, bool>, system: &EquationSyst
         let priority = reduce::priority(variable);
         // Variables introduced by the compiler have no start value of their own.
         let is_state = is_state[v] && !variable.hidden;
+        // A start value that is written goes before one that is not, if it is that of a variable
+        // that the model prefers as a state.
+        let is_preferred = variable.state_select >= StateSelect::Prefer && !variable.hidden;
+        let has_start = variable.start.is_some() && (is_state || is_preferred);
         std::cmp::Reverse((
+            has_start,
             is_state,
             is_differentiated && !variable.hidden,
             priority,

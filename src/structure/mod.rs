@@ -7,6 +7,7 @@
 pub mod apply;
 mod culprit;
 mod discrete_loops;
+mod function_derivative;
 pub mod derivative_combinations;
 pub mod diagram;
 pub mod dynamic_selection;

@@ -1,5 +1,6 @@
 //! Index reduction: the equations to differentiate, and the states.
 
+use super::function_derivative::FunctionDerivatives;
 use super::incidence::EquationSystem;
 use super::{apply, error, inline, is_continuous, solve};
 use crate::base::diag::Problems;
@@ -41,6 +42,14 @@ pub struct ConstraintPivot {
 /// Appends the differentiated equations to the system and selects the states. The system must be
 /// structurally determined (see [`super::explain::check_determined`]).
 pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<Reduced> {
+    reduce_with(dae, FunctionDerivatives::default(), problems)
+}
+
+fn reduce_with(
+    dae: &mut Dae,
+    mut functions: FunctionDerivatives,
+    problems: &mut Problems,
+) -> Option<Reduced> {
     // Among equals, the variable declared later becomes a dummy first: columns are in reverse
     // order.
     let sources = dae.equations.ids().map(Source::Continuous).collect();
@@ -49,13 +58,15 @@ pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<Reduced> {
     let derivative = derivatives(dae, &system);
     let not_differentiable: Vec<Row> = (dae.equations.ids())
         .filter(|id| calls_a_function(dae, dae.equations[*id].residual))
+        .filter(|id| !functions.cover(dae, *id))
         .map(|id| Row(id.0))
         .collect();
     let reduction = match pantelides::pantelides(&system.graph, &derivative, &not_differentiable) {
         Ok(reduction) => reduction,
         Err(StructurallySingular::NotDifferentiable { row, rows }) => {
-            if inline::calls_of(dae, EqId(row.0)) {
-                return reduce(dae, problems);
+            let equation = EqId(row.0);
+            if inline::calls_of(dae, equation) || functions.add(dae, equation) {
+                return reduce_with(dae, functions, problems);
             }
             problems.push(error::not_differentiable(dae, EqId(row.0), &equations(&rows)));
             return None;
@@ -79,7 +90,7 @@ pub fn reduce(dae: &mut Dae, problems: &mut Problems) -> Option<Reduced> {
         problems.push(error::dependent(dae, &constraints));
         return None;
     }
-    let columns = apply::differentiate(dae, &system.unknowns, &reduction);
+    let columns = apply::differentiate(dae, &system.unknowns, &reduction, &functions);
     let mut is_state = IndexVec::filled(false, dae.variables.len());
     for &col in &choice.states {
         is_state[columns[col]] = true;

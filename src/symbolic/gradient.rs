@@ -4,7 +4,7 @@
 use super::arithmetic::Arithmetic;
 use crate::base::index::FastMap;
 use crate::ir::builtin::{binary_builtins, unary_builtins};
-use crate::ir::expr::{Binary, Carried, ExprId, Graph, Node, Type, Unary, VarId};
+use crate::ir::expr::{Binary, Carried, ExprId, FunctionId, Graph, Node, Type, Unary, VarId};
 
 /// A leaf that an expression can be differentiated by.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
@@ -217,14 +217,37 @@ fn remainder(g: &mut Graph, a: ExprId, b: ExprId, y: ExprId, seed: ExprId) -> [O
 pub fn time_derivative(
     graph: &mut Graph,
     root: ExprId,
+    rate: impl FnMut(&mut Graph, Leaf) -> Option<ExprId>,
+) -> ExprId {
+    time_derivative_through(graph, root, rate, |_, _| None)
+}
+
+/// As [`time_derivative`], with derivatives of calls.
+pub fn time_derivative_through(
+    graph: &mut Graph,
+    root: ExprId,
     mut rate: impl FnMut(&mut Graph, Leaf) -> Option<ExprId>,
+    call: impl FnMut(&mut Graph, &CallRate<'_>) -> Option<ExprId>,
 ) -> ExprId {
     let one = graph.real(1.0);
-    forward_derivative(graph, root, |graph, leaf| match leaf {
+    let of_leaf = |graph: &mut Graph, leaf| match leaf {
         Leaf::Time => Some(one),
         Leaf::Recorded(v, order) => Some(graph.intern(Node::Recorded(v, order + 1), Type::Real)),
         leaf => rate(graph, leaf),
-    })
+    };
+    forward_derivative_through(graph, root, of_leaf, call)
+}
+
+/// A call whose derivative along a direction is wanted.
+pub struct CallRate<'a> {
+    /// The function.
+    pub function: FunctionId,
+    /// Which of its outputs.
+    pub output: u32,
+    /// Its arguments.
+    pub args: &'a [ExprId],
+    /// The derivatives of the arguments, `None` for zero.
+    pub rates: &'a [Option<ExprId>],
 }
 
 /// The derivative along a direction, of which `rate` gives the components, `None` for zero. Forward
@@ -233,7 +256,17 @@ pub fn time_derivative(
 pub fn forward_derivative(
     graph: &mut Graph,
     root: ExprId,
+    rate: impl FnMut(&mut Graph, Leaf) -> Option<ExprId>,
+) -> ExprId {
+    forward_derivative_through(graph, root, rate, |_, _| None)
+}
+
+/// As [`forward_derivative`], with derivatives of calls.
+pub fn forward_derivative_through(
+    graph: &mut Graph,
+    root: ExprId,
     mut rate: impl FnMut(&mut Graph, Leaf) -> Option<ExprId>,
+    mut call: impl FnMut(&mut Graph, &CallRate<'_>) -> Option<ExprId>,
 ) -> ExprId {
     let mut rates: FastMap<ExprId, Option<ExprId>> = FastMap::default();
     let one = graph.real(1.0);
@@ -244,6 +277,11 @@ pub fn forward_derivative(
             }
             Node::NoEvent(a) | Node::Smooth(_, a) | Node::Homotopy(a, _) => rates[&a],
             Node::If(c, a, b) => alternative(graph, c, rates[&a], rates[&b]),
+            Node::Call { function, output, args } => {
+                let args = graph.list(args).to_vec();
+                let rates: Vec<Option<ExprId>> = args.iter().map(|a| rates[a]).collect();
+                call(graph, &CallRate { function, output, args: &args, rates: &rates })
+            }
             Node::Binary(op @ (Binary::Min | Binary::Max), a, b) => {
                 let least = op == Binary::Min;
                 let relation = if least { Binary::LessEqual } else { Binary::GreaterEqual };

@@ -62,6 +62,22 @@ causes! {
         /// The operator `cardinality` has an argument that is not a connector.
         error MO1269 CardinalityOfOther (section "3.7.4.3")
             => ("the argument of `cardinality` must be a connector"), help("name a connector");
+        /// The roots of connection graphs are asked for where the connections are not known yet.
+        error MO1350 RootOutsideEquations (section "9.4.1")
+            => ("the roots of connection graphs are not known here"),
+            help("ask for them in an equation or in the value of a variable");
+        /// `rooted` is asked of a variable that is not in exactly one branch.
+        error MO1351 RootedWithoutBranch (section "9.4.1")
+            => ("`rooted` needs a variable that is in exactly one `Connections.branch`"),
+            help("use `Connections.isRoot`, or ask at one end of the branch");
+        /// The argument of a stream operator is not a stream variable.
+        error MO1352 NotAStream (section "15.2")
+            => ("the argument must be a `stream` variable of a connector"),
+            help("name a variable that its connector declares with `stream`");
+        /// A variable of which a connection graph knows nothing.
+        error MO1353 NotAGraphNode (section "9.4.1")
+            => ("the argument must be an overdetermined variable or record of a connector"),
+            help("name one whose type has a function `equalityConstraint`");
         /// A `String` has an invalid format.
         error MO1270 NumberFormat { format: String } (section "3.7.1")
             => ("cannot write a number in the format `{format}`"),

@@ -4,25 +4,17 @@
 
 use crate::base::index::FastMap;
 use crate::evaluate::Evaluator;
-use crate::ir::instance::{InstanceId, InstanceKind, Scope, SectionKind};
+use crate::ir::instance::{InstanceId, InstanceKind};
 
 use super::expandable::connection_ends::EndTarget;
-use super::expandable::{WrittenConnect, collect, pairs};
+use super::written::{self, pairs};
 
 /// Counts the connections below `root`.
 pub(crate) fn count(cx: &mut Evaluator<'_>, root: InstanceId) {
     if !cx.sources.contents().any(|text| text.contains("cardinality(")) {
         return;
     }
-    let mut written: Vec<WrittenConnect> = Vec::new();
-    for object in crate::flatten::objects(cx, root) {
-        let table = cx.table_of(object);
-        for section in table.sections.iter().filter(|s| !s.initial) {
-            if let SectionKind::Equations(list) = &section.kind {
-                collect(cx, list, Scope { instance: object, class: section.class }, &mut written);
-            }
-        }
-    }
+    let written = written::below(cx, root).connects;
     let mut counts: FastMap<InstanceId, usize> = FastMap::default();
     for connect in &written {
         for (a, b) in pairs(cx, connect) {

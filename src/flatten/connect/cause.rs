@@ -84,6 +84,27 @@ causes! {
             => ("`{path}` is a flow, but `{class}` has no operator {operator}"),
             help("define the operators '0', '+' and '-' of one argument, \
                   which sums at connections need");
+        /// An argument of an operator of `Connections` is not overdetermined.
+        error MO0350 NotOverdetermined (section "9.4.1")
+            => ("the argument must be an overdetermined variable or record of a connector"),
+            help("name one whose type has a function `equalityConstraint`");
+        /// Branches close a cycle, or join two roots.
+        error MO0351 BranchClosesCycle (section "9.4.2")
+            => ("this branch closes a cycle that cannot be broken, or joins two roots"),
+            help("remove a `Connections.branch` or a `Connections.root`: \
+                  its equations determine the same variables again");
+        /// A connection graph has no root.
+        warning MO0352 NoRoot { path: String } (section "9.4.2")
+            => ("nothing that is connected with `{path}` is a root"),
+            help("connect a component that is a root, such as a ground or the world");
+        /// An unknown operator of `Connections`, or wrong arguments.
+        error MO0353 GraphOperator { function: Name } (section "9.4.1")
+            => ("`Connections.{function}` is not an operator of connection graphs with these arguments"),
+            help("use `branch(a, b)`, `root(a)`, or `potentialRoot(a, priority)`");
+        /// The function `equalityConstraint` has the wrong result.
+        error MO0354 ConstraintType { class: Name } (section "9.4")
+            => ("`{class}` must return one vector of Real residuals"),
+            help("declare `output Real residue[n]`");
         /// An expandable connector is connected with a connector inside of it.
         error MO0276 ConnectedToOwnPart { outer: String, inner: String } (section "9.1.3")
             => ("`{outer}` is connected with `{inner}`, which is inside of it"),

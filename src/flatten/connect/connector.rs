@@ -127,8 +127,7 @@ fn check_conserved(cx: &mut Evaluator<'_>, id: InstanceId) {
 }
 
 fn count_scalars(cx: &mut Evaluator<'_>, id: InstanceId, counts: &mut ScalarCounts) {
-    let equality = crate::base::name::name("equalityConstraint");
-    counts.overdetermined |= cx.table_of(id).index.contains_key(&equality);
+    counts.overdetermined |= cx.is_overdetermined(id);
     match cx.instances[id].kind.clone() {
         InstanceKind::Variable { dims, .. } => {
             let n: usize = dims.iter().product();

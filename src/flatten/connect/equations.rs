@@ -49,6 +49,12 @@ impl Connections {
             let zero = cx.graph.real(0.0);
             flat.equations.push(Equation { kind: EquationKind::Equal(sum, zero), origin });
         }
+        for (residual, origin) in self.residuals.drain(..) {
+            let zero = cx.graph.real(0.0);
+            let kind = EquationKind::Equal(zero, residual);
+            flat.equations.push(Equation { kind, origin });
+        }
+        self.stream_equations(cx, flat);
         for (assert, origin) in self.equalities.drain(..) {
             flat.equations.push(Equation { kind: EquationKind::Assert(assert), origin });
         }

@@ -6,17 +6,21 @@ pub mod cause;
 pub(crate) mod connector;
 mod equations;
 pub(crate) mod expandable;
+mod overconstrained;
 mod sets;
+pub(in crate::flatten) mod streams;
+pub(crate) mod written;
 
 use std::sync::Arc;
 
 use self::connector::check_connectable;
+use self::overconstrained::BrokenConnections;
 use self::sets::ConnectionSets;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
-use crate::classes::unsupported::Construct;
 use crate::evaluate::Evaluator;
 use crate::evaluate::reference::Selection;
+use crate::graph::spanning_forest::Fate;
 use crate::ir::ast::{ClassKind, ComponentRef, ConnectionPrefix, Variability};
 use crate::ir::expr::{Binary, Const, ExprId, VarId};
 use crate::ir::flat::{Assert, AssertionLevel, Origin};
@@ -28,6 +32,11 @@ use cause::{ConnectCause, Mismatch};
 pub struct Connections {
     potentials: ConnectionSets,
     flows: ConnectionSets,
+    streams: ConnectionSets,
+    /// Connections of overdetermined variables that close a cycle.
+    broken: BrokenConnections,
+    /// What is zero in the place of these connections.
+    residuals: Vec<(ExprId, Origin)>,
     /// Assertions that connected parameters are equal.
     equalities: Vec<(Assert, Origin)>,
     /// Each `connect` of two connectors, if they are recorded.
@@ -48,6 +57,11 @@ impl Connections {
     /// No connections; each `connect` that is added will also be recorded.
     pub(super) fn recording() -> Self {
         Connections { recorded: Some(Vec::new()), ..Connections::default() }
+    }
+
+    /// Finds the connections of overdetermined variables that close a cycle.
+    pub(super) fn break_cycles(&mut self, cx: &mut Evaluator<'_>, root: InstanceId) {
+        self.broken = overconstrained::elaborate(cx, root);
     }
 
     /// The number of the set that contains a variable of an inside connector; the sets of
@@ -136,6 +150,16 @@ impl Connections {
     ) -> Option<()> {
         cx.complete(x);
         cx.complete(y);
+        match self.broken.fate(x, y) {
+            Fate::Kept => {}
+            Fate::Implied => return Some(()),
+            Fate::Broken => {
+                for e in overconstrained::residuals(cx, x, y, pair.origin.span)? {
+                    self.residuals.push((e, pair.origin.clone()));
+                }
+                return Some(());
+            }
+        }
         let (kind_x, kind_y) = (cx.instances[x].kind.clone(), cx.instances[y].kind.clone());
         match (kind_x, kind_y) {
             (InstanceKind::Outer(inner), _) => self.instances(cx, inner, y, pair),
@@ -244,18 +268,10 @@ impl Connections {
         y: (InstanceId, usize),
         pair: &ConnectedPair,
     ) -> Option<()> {
-        let flow =
-            |i: InstanceId| cx.instances[i].prefix.connection == Some(ConnectionPrefix::Flow);
-        let (s, t) = (flow(x.0), flow(y.0));
-        if s != t {
+        let connection = |i: InstanceId| cx.instances[i].prefix.connection;
+        let prefix = connection(x.0);
+        if prefix != connection(y.0) {
             return mismatch(cx, pair, Mismatch::FlowWithPotential);
-        }
-        if [x.0, y.0]
-            .iter()
-            .any(|i| cx.instances[*i].prefix.connection == Some(ConnectionPrefix::Stream))
-        {
-            cx.unsupported(pair.origin.span, Construct::Streams);
-            return None;
         }
         let ty = |i: InstanceId| match cx.instances[i].kind {
             InstanceKind::Variable { ty, .. } => Some(ty),
@@ -296,7 +312,11 @@ impl Connections {
             _ => None,
         };
         let (a, b) = ((number(x)?, pair.outside.0), (number(y)?, pair.outside.1));
-        let sets = if s { &mut self.flows } else { &mut self.potentials };
+        let sets = match prefix {
+            Some(ConnectionPrefix::Flow) => &mut self.flows,
+            Some(ConnectionPrefix::Stream) => &mut self.streams,
+            None => &mut self.potentials,
+        };
         sets.join(a, b, &pair.origin);
         Some(())
     }

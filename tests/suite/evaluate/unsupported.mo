@@ -19,13 +19,13 @@ equation
   end when;
   //@ error[MO0200] 7-10
   y = hold(x);
-  //@ error[MO0200] 7-14
+  //@ error[MO1352] 16
   z = inStream(y);
   //@ error[MO0200] 3-14
   initialState(a1);
   //@ error[MO0200] 3-12
   transition(a1, a2, i > 10, immediate = false);
-  //@ error[MO0200] 6-23
+  //@ error[MO1353] 25-26
   if Connections.isRoot(a1) then
     u = 1;
   end if;

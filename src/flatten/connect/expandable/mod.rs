@@ -15,24 +15,15 @@ pub(crate) mod connection_ends;
 mod presence;
 
 use super::cause::ConnectCause;
+use super::written::{self, WrittenConnect, pairs};
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
 use crate::evaluate::Evaluator;
-use crate::evaluate::frame::Frames;
-use crate::evaluate::implicit_ranges::Body;
-use crate::ir::ast::{ClassKind, ComponentRef, Equation, EquationKind, Expr};
-use crate::ir::instance::{InstanceId, InstanceKind, Scope, SectionKind};
+use crate::ir::ast::ClassKind;
+use crate::ir::instance::{InstanceId, InstanceKind};
 
-use connection_ends::{ConnectionEnd, EndTarget};
-
-/// A `connect` of the source with its enclosing iterators.
-pub(crate) struct WrittenConnect {
-    ends: [ComponentRef; 2],
-    scope: Scope,
-    frames: Frames,
-    span: Span,
-}
+use connection_ends::EndTarget;
 
 /// The augmentation sets (union-find).
 #[derive(Default)]
@@ -98,15 +89,7 @@ pub(crate) fn elaborate(cx: &mut Evaluator<'_>, root: InstanceId) {
     if buses.all.is_empty() {
         return;
     }
-    let mut written = Vec::new();
-    for object in objects {
-        let table = cx.table_of(object);
-        for section in table.sections.iter().filter(|s| !s.initial) {
-            if let SectionKind::Equations(list) = &section.kind {
-                collect(cx, list, Scope { instance: object, class: section.class }, &mut written);
-            }
-        }
-    }
+    let written = written::below(cx, root).connects;
     // Each round adds at least one variable, copied from finitely many declared ones. This
     // terminates because no set contains both a bus and a part of that bus.
     loop {
@@ -126,78 +109,6 @@ pub(crate) fn elaborate(cx: &mut Evaluator<'_>, root: InstanceId) {
         }
     }
     presence::apply(cx, &written, &buses, root);
-}
-
-/// Collects the connections of a list of equations in branches whose conditions hold.
-pub(crate) fn collect(
-    cx: &mut Evaluator<'_>,
-    list: &[Equation],
-    scope: Scope,
-    out: &mut Vec<WrittenConnect>,
-) {
-    for e in list {
-        match &e.kind {
-            EquationKind::Connect(a, b) => out.push(WrittenConnect {
-                ends: [a.clone(), b.clone()],
-                scope,
-                frames: cx.frames.clone(),
-                span: e.span,
-            }),
-            EquationKind::For { iterators, body } if holds_connect(body) => {
-                let Some(iterators) = cx.with_ranges(iterators, Body::Equations(body), scope)
-                else {
-                    continue;
-                };
-                crate::flatten::equation::for_each(cx, &iterators, scope, &mut |cx| {
-                    collect(cx, body, scope, out);
-                });
-            }
-            EquationKind::If { branches, otherwise } if branch_connects(branches, otherwise) => {
-                let mut chosen: Option<&[Equation]> = Some(otherwise);
-                for (condition, body) in branches {
-                    match cx.fold_boolean(condition, scope) {
-                        Some(false) => continue,
-                        Some(true) => chosen = Some(body),
-                        None => chosen = None,
-                    }
-                    break;
-                }
-                collect(cx, chosen.unwrap_or_default(), scope, out);
-            }
-            _ => {}
-        }
-    }
-}
-
-fn branch_connects(branches: &[(Expr, Vec<Equation>)], otherwise: &[Equation]) -> bool {
-    branches.iter().any(|(_, body)| holds_connect(body)) || holds_connect(otherwise)
-}
-
-fn holds_connect(list: &[Equation]) -> bool {
-    list.iter().any(|e| match &e.kind {
-        EquationKind::Connect(..) => true,
-        EquationKind::For { body, .. } => holds_connect(body),
-        EquationKind::If { branches, otherwise } => branch_connects(branches, otherwise),
-        _ => false,
-    })
-}
-
-/// The pairs of ends of a connection, element by element.
-pub(crate) fn pairs(
-    cx: &mut Evaluator<'_>,
-    connect: &WrittenConnect,
-) -> Vec<(ConnectionEnd, ConnectionEnd)> {
-    let [a, b] = &connect.ends;
-    let (left, right) = cx.with_frames(&connect.frames, |cx| {
-        (connection_ends::of(cx, a, connect.scope), connection_ends::of(cx, b, connect.scope))
-    });
-    match (left, right) {
-        (Some(left), Some(right)) if left.len() == right.len() => {
-            left.into_iter().zip(right).collect()
-        }
-        // `connect` itself reports wrong sizes and names.
-        _ => Vec::new(),
-    }
 }
 
 fn augment(cx: &mut Evaluator<'_>, connect: &WrittenConnect, buses: &mut AugmentationSets) -> bool {

@@ -2,7 +2,8 @@
 //! it, and a variable that is read needs a source (Modelica 3.6, section 9.1.3).
 
 use super::connection_ends::{BusMember, ConnectionEnd, EndTarget, is_unfilled};
-use super::{AugmentationSets, WrittenConnect, pairs};
+use super::super::written::{WrittenConnect, pairs};
+use super::AugmentationSets;
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
