@@ -1,5 +1,6 @@
 //! Interpolation of a function of one argument.
 
+use crate::base::wire::wire_struct;
 use super::{Extrapolation, interval};
 use crate::numeric::hermite::{Smoothness, hermite, polynomial, slopes};
 
@@ -113,6 +114,8 @@ pub fn wrapped(u: f64, first: f64, last: f64) -> f64 {
     let shifted = u - period * ((u - first) / period).floor();
     if shifted < last { shifted.max(first) } else { first }
 }
+
+wire_struct!(Curve { x, segments, last, end_slopes, extrapolation });
 
 #[cfg(test)]
 mod tests {

@@ -4,6 +4,7 @@
 //! "A method of bivariate interpolation and smooth surface fitting based on local procedures",
 //! Comm. ACM 17 (1974) 18-20.
 
+use crate::base::wire::wire_struct;
 use super::curve::wrapped;
 use super::{Extrapolation, interval};
 use crate::numeric::hermite::{Smoothness, extended, hermite, weights};
@@ -254,6 +255,8 @@ fn bipolynomial(c: &[f64; 16], p: f64, q: f64, k: u8, l: u8) -> f64 {
     }
     sum
 }
+
+wire_struct!(Surface { x, y, cells, beyond, level, extrapolation });
 
 #[cfg(test)]
 mod tests {

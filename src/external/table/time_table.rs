@@ -3,6 +3,7 @@
 //! Between two jumps it is a separate [`Curve`]. Time events are at all points, at jumps only, or
 //! nowhere.
 
+use crate::base::wire::wire_struct;
 use super::Extrapolation;
 use super::curve::{Curve, wrapped};
 use crate::numeric::hermite::Smoothness;
@@ -159,6 +160,8 @@ fn near(a: f64, b: f64, slack: f64) -> bool {
 fn slack(t: f64) -> f64 {
     8.0 * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE)
 }
+
+wire_struct!(TimeTable { parts, stops, range, extrapolation, start, shift });
 
 #[cfg(test)]
 mod tests {

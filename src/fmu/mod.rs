@@ -1,0 +1,3 @@
+//! Functional Mock-up Units.
+pub mod disclosure;
+pub mod program_wire;
