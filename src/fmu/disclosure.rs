@@ -3,7 +3,7 @@
 //! In: a [`Program`]. Out: the same program whose system holds only the expressions of messages. Relations
 //! are named by their number, assertions by their message.
 
-use crate::base::index::{FastMap, Id, IndexVec};
+use crate::base::index::{FastMap, IndexVec};
 use crate::base::source::Span;
 use crate::ir::dae::{Variable, VariableKind};
 use crate::ir::expr::{Const, ExprId, Graph, Node, Type, VarId};
