@@ -159,7 +159,8 @@ pub fn instantiate(
 
 fn load(folder: &Path, token: &str) -> Result<Program, String> {
     let path = folder.join(package::FILE);
-    let bytes = std::fs::read(&path).map_err(|why| format!("cannot read {}: {why}", path.display()))?;
+    let bytes =
+        std::fs::read(&path).map_err(|why| format!("cannot read {}: {why}", path.display()))?;
     package::read(&bytes, token).map_err(|why| why.to_string())
 }
 
@@ -333,12 +334,7 @@ pub fn write_state(c: *mut c_void, state: *mut c_void, bytes: *mut u8, size: usi
 }
 
 /// The state of bytes.
-pub fn read_state(
-    c: *mut c_void,
-    bytes: *const u8,
-    size: usize,
-    place: *mut *mut c_void,
-) -> c_int {
+pub fn read_state(c: *mut c_void, bytes: *const u8, size: usize, place: *mut *mut c_void) -> c_int {
     guarded(c, |_| {
         let saved = Saved::from_bytes(values_at(bytes, size))?;
         put(place, Box::into_raw(Box::new(saved)).cast());

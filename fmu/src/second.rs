@@ -9,9 +9,9 @@ use mocc::ir::expr::Type;
 use mocc::simulate::stepping::Arrival;
 
 use crate::component::{
-    Component, DISCARD, ERROR, Logger, Logger2, OK, folder, free, free_state, get_numbers, get_strings,
-    guarded, instantiate, places_at, put, read_state, restore_state, save_state, set_numbers, state_size,
-    values_at, write_state,
+    Component, DISCARD, ERROR, Logger, Logger2, OK, folder, free, free_state, get_numbers,
+    get_strings, guarded, instantiate, places_at, put, read_state, restore_state, save_state,
+    set_numbers, state_size, values_at, write_state,
 };
 
 /// Callbacks of the importer.

@@ -102,7 +102,9 @@ fn runtime(options: &ExportFmu) -> Result<(Vec<u8>, PathBuf), Diagnostic> {
     }
     let mut places: Vec<PathBuf> = Vec::new();
     places.extend(std::env::var_os("MOCC_FMU_RUNTIME").map(PathBuf::from));
-    if let Some(folder) = std::env::current_exe().ok().and_then(|exe| exe.parent().map(PathBuf::from)) {
+    if let Some(folder) =
+        std::env::current_exe().ok().and_then(|exe| exe.parent().map(PathBuf::from))
+    {
         places.push(folder.join(RUNTIME));
         places.push(folder.join("../lib/mocc").join(RUNTIME));
     }

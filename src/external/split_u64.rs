@@ -5,8 +5,8 @@
 //! 0 and
 //! 1. All operations are exact and wrap around.
 
-use crate::base::wire::wire_enum;
 use super::{External, Signature, same_if_equal};
+use crate::base::wire::wire_enum;
 
 /// A half of a word.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -5,9 +5,7 @@
 use crate::ir::expr::{Enumeration, Type};
 use crate::units::unit::Unit;
 
-use super::interface::{
-    FIRST_INDICATOR, Initial, Role, Scalar, Start, Varies,
-};
+use super::interface::{FIRST_INDICATOR, Initial, Role, Scalar, Start, Varies};
 
 /// A version of FMI.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -60,22 +58,28 @@ pub fn text(d: &Description<'_>) -> String {
     match d.version {
         Version::Two => {
             let indicators = d.indicators.to_string();
-            x.open("fmiModelDescription", &[
-                ("fmiVersion", "2.0"),
+            x.open(
+                "fmiModelDescription",
+                &[
+                    ("fmiVersion", "2.0"),
+                    ("modelName", d.model),
+                    ("guid", d.token),
+                    ("generationTool", tool),
+                    ("variableNamingConvention", numbering),
+                    ("numberOfEventIndicators", &indicators),
+                ],
+            );
+        }
+        Version::Three => x.open(
+            "fmiModelDescription",
+            &[
+                ("fmiVersion", "3.0"),
                 ("modelName", d.model),
-                ("guid", d.token),
+                ("instantiationToken", d.token),
                 ("generationTool", tool),
                 ("variableNamingConvention", numbering),
-                ("numberOfEventIndicators", &indicators),
-            ]);
-        }
-        Version::Three => x.open("fmiModelDescription", &[
-            ("fmiVersion", "3.0"),
-            ("modelName", d.model),
-            ("instantiationToken", d.token),
-            ("generationTool", tool),
-            ("variableNamingConvention", numbering),
-        ]),
+            ],
+        ),
     }
     interfaces(&mut x, d);
     units(&mut x, d);
@@ -87,12 +91,15 @@ pub fn text(d: &Description<'_>) -> String {
     x.close("LogCategories");
     let [start, stop, step] = d.experiment.map(number);
     let tolerance = number(d.tolerance);
-    x.empty("DefaultExperiment", &[
-        ("startTime", &start),
-        ("stopTime", &stop),
-        ("tolerance", &tolerance),
-        ("stepSize", &step),
-    ]);
+    x.empty(
+        "DefaultExperiment",
+        &[
+            ("startTime", &start),
+            ("stopTime", &stop),
+            ("tolerance", &tolerance),
+            ("stepSize", &step),
+        ],
+    );
     match d.version {
         Version::Two => second(&mut x, d),
         Version::Three => third(&mut x, d),
@@ -311,12 +318,15 @@ fn second(x: &mut Xml, d: &Description<'_>) {
     let positions: std::collections::BTreeMap<u32, usize> = positions.into_iter().collect();
     let at = |reference: u32| positions.get(&reference).copied().unwrap_or(0).to_string();
     x.open("ModelVariables", &[]);
-    x.open("ScalarVariable", &[
-        ("name", "time"),
-        ("valueReference", "0"),
-        ("causality", "independent"),
-        ("variability", "continuous"),
-    ]);
+    x.open(
+        "ScalarVariable",
+        &[
+            ("name", "time"),
+            ("valueReference", "0"),
+            ("causality", "independent"),
+            ("variability", "continuous"),
+        ],
+    );
     x.empty("Real", &[]);
     x.close("ScalarVariable");
     for s in d.scalars {
@@ -397,12 +407,15 @@ fn initial_unknowns<'a>(d: &Description<'a>) -> Vec<&'a Scalar> {
 
 fn third(x: &mut Xml, d: &Description<'_>) {
     x.open("ModelVariables", &[]);
-    x.empty("Float64", &[
-        ("name", "time"),
-        ("valueReference", "0"),
-        ("causality", "independent"),
-        ("variability", "continuous"),
-    ]);
+    x.empty(
+        "Float64",
+        &[
+            ("name", "time"),
+            ("valueReference", "0"),
+            ("causality", "independent"),
+            ("variability", "continuous"),
+        ],
+    );
     for s in d.scalars {
         let reference = s.reference.to_string();
         let element = match s.ty {
@@ -446,13 +459,16 @@ fn third(x: &mut Xml, d: &Description<'_>) {
     }
     for k in 0..d.indicators {
         let (name, reference) = (indicator_name(d, k), (FIRST_INDICATOR + k as u32).to_string());
-        x.empty("Float64", &[
-            ("name", &name),
-            ("valueReference", &reference),
-            ("causality", "local"),
-            ("variability", "continuous"),
-            ("initial", "calculated"),
-        ]);
+        x.empty(
+            "Float64",
+            &[
+                ("name", &name),
+                ("valueReference", &reference),
+                ("causality", "local"),
+                ("variability", "continuous"),
+                ("initial", "calculated"),
+            ],
+        );
     }
     x.close("ModelVariables");
     x.open("ModelStructure", &[]);

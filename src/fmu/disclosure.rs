@@ -27,7 +27,10 @@ pub fn disclosed(program: &Program, with_relations: bool) -> Program {
             continue;
         }
         let name = format!("relation {}", k + 1);
-        let stand_in = Variable { hidden: true, ..Variable::new(name, Type::Real, VariableKind::Eliminated, Span::NONE) };
+        let stand_in = Variable {
+            hidden: true,
+            ..Variable::new(name, Type::Real, VariableKind::Eliminated, Span::NONE)
+        };
         let v = all.push(stand_in);
         kept.layout.variables.push(kept.layout.time);
         relation.lhs = copier.graph.var(v, Type::Real);

@@ -263,7 +263,8 @@ impl<'p> Exchange<'p> {
         self.record_histories(false);
         let t = self.t;
         let machine = &mut self.system.machine;
-        while self.clocks.raise(machine, t) && self.clocks.next_instant(machine, f64::NEG_INFINITY) < t
+        while self.clocks.raise(machine, t)
+            && self.clocks.next_instant(machine, f64::NEG_INFINITY) < t
         {}
         if machine.delays.advance_past(t, &machine.memory) {
             machine.delays.write_slots(t, &mut machine.memory);

@@ -12,6 +12,7 @@ use crate::ir::dae::VariableKind;
 use crate::ir::expr::{Type, VarId};
 use crate::ir::program::{Program, RelationTrigger, Slot};
 use crate::numeric::time_series::{Interpolation, TimeSeries};
+use crate::runtime::jit::tiering::Execution;
 use crate::runtime::machine::Machine;
 use crate::simulate::failure::{Failure, FailureKind};
 use crate::simulate::settings::Settings;
@@ -105,7 +106,13 @@ pub struct Saved {
 }
 
 crate::base::wire::wire_struct!(Saved {
-    phase, parameters, starts, limits, inputs, stepping, exchange
+    phase,
+    parameters,
+    starts,
+    limits,
+    inputs,
+    stepping,
+    exchange
 });
 
 const PHASES: [Phase; 6] = [
@@ -142,7 +149,7 @@ impl<'p> Instance<'p> {
             program,
             kind,
             phase: Phase::Instantiated,
-            settings: Settings::of(&program.blocks.dae.experiment),
+            settings: Settings::executed(&program.blocks.dae.experiment, Execution::Interpreted),
             inputs: inputs(program),
             exchange: None,
             stepping: None,
@@ -375,7 +382,9 @@ impl<'p> Instance<'p> {
         } else if layout.starts.iter().any(|(s, ..)| *s == v) {
             &mut self.settings.starts
         } else {
-            return Err(Refusal::of(format!("`{name}` is computed by the model and cannot be set")));
+            return Err(Refusal::of(format!(
+                "`{name}` is computed by the model and cannot be set"
+            )));
         };
         list.retain(|(p, _)| *p != v);
         list.push((v, value));
@@ -474,7 +483,9 @@ impl<'p> Instance<'p> {
         let now = self.time();
         let near = 1e-9 * (step.abs() + now.abs() * 1e-6);
         if (from - now).abs() > near {
-            return Err(Refusal::of(format!("the step begins at {from} s, but the model is at {now} s")));
+            return Err(Refusal::of(format!(
+                "the step begins at {from} s, but the model is at {now} s"
+            )));
         }
         if !(step > 0.0 && step.is_finite()) {
             return Err(Refusal::of(format!("the step size is {step} s, not positive")));
@@ -647,7 +658,9 @@ fn inputs(program: &Program) -> Vec<Input> {
     };
     let all = variables.enumerate().filter(|(v, variable)| {
         let delayed = program.layout.delays.iter().any(|d| d.variable == *v);
-        !variable.hidden && !delayed && (variable.kind == VariableKind::Input || driven(*v).is_some())
+        !variable.hidden
+            && !delayed
+            && (variable.kind == VariableKind::Input || driven(*v).is_some())
     });
     let one = |(v, _): (VarId, _)| Input {
         variable: v,

@@ -211,16 +211,24 @@ impl Builder<'_> {
         let other = &dae.variables[root];
         let is_listed = !other.hidden && !self.eliminated.contains_key(&root);
         let is_like = other.ty == variable.ty && other.unit == variable.unit;
-        let is_derivative = self.program.blocks.states.iter().any(|s| {
-            other.name == derivative_name(self.program, s.variable)
-        });
-        let is_own = is_parameter(dae, root) || is_derivative || other.kind == VariableKind::Input;
+        let is_derivative = self
+            .program
+            .blocks
+            .states
+            .iter()
+            .any(|s| other.name == derivative_name(self.program, s.variable));
+        let is_port = self.causalities.contains_key(other.name.as_str());
+        let is_own = is_port
+            || is_parameter(dae, root)
+            || is_derivative
+            || other.kind == VariableKind::Input;
         (!negated && is_listed && is_like && !is_own).then_some(root)
     }
 
     fn scalar(&self, v: VarId, variable: &Variable) -> Scalar {
         let graph = &self.program.blocks.dae.graph;
-        let number = |e: Option<ExprId>| e.and_then(|e| graph.as_number(e)).filter(|x| x.is_finite());
+        let number =
+            |e: Option<ExprId>| e.and_then(|e| graph.as_number(e)).filter(|x| x.is_finite());
         let (role, varies, initial) = self.classified(v, variable);
         let is_string = variable.ty == Type::String;
         let needs_start = role == Role::Input

@@ -25,7 +25,9 @@ pub enum PackageError {
     )]
     OtherVersion(u32),
     /// The token differs.
-    #[error("the token `{given}` is not that of the compiled model, `{own}`: `modelDescription.xml` and `resources` belong to different FMUs")]
+    #[error(
+        "the token `{given}` is not that of the compiled model, `{own}`: `modelDescription.xml` and `resources` belong to different FMUs"
+    )]
     OtherToken {
         /// The token of the importer.
         given: String,

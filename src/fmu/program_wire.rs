@@ -13,16 +13,16 @@ use crate::ir::dae::{
     Dae, EqId, GuardedAssert, Relation, Sample, Stated, Terminate, Trigger, Variable, VariableKind,
 };
 use crate::ir::expr::{
-    Binary, Carried, Const, EnumId, Enumeration, ExprId, Form, FunctionId, Graph, ListId, Node, Type,
-    Unary, VarId,
+    Binary, Carried, Const, EnumId, Enumeration, ExprId, Form, FunctionId, Graph, ListId, Node,
+    Type, Unary, VarId,
 };
 use crate::ir::external::ExternalId;
 use crate::ir::flat::{Assert, AssertionLevel, Experiment, Origin, StateSelect};
 use crate::ir::program::{
     AlgebraicUnknown, AssertSlots, BlockDerivative, BlockPosition, Bounds, CallSite, Clock,
-    Continuation, DelaySlots, DiscreteUnknown, Entry, Events, FunctionCode, Instr, Layout, MixedBlock,
-    Op, Program, ReaderSlots, ReinitSlots, RelationTrigger, Routines, Sequence, StateSetSlots, Tape,
-    Tapes, TornBlock, TransportSlots,
+    Continuation, DelaySlots, DiscreteUnknown, Entry, Events, FunctionCode, Instr, Layout,
+    MixedBlock, Op, Program, ReaderSlots, ReinitSlots, RelationTrigger, Routines, Sequence,
+    StateSetSlots, Tape, Tapes, TornBlock, TransportSlots,
 };
 
 macro_rules! wire_id {
@@ -130,7 +130,16 @@ wire_struct!(Entry { row, column, slot });
 wire_enum!(Sequence { Initial = 0, Event = 1, Continuous = 2 });
 wire_struct!(BlockPosition { sequence, index });
 wire_struct!(TornBlock {
-    unknowns, slots, residual_tape, residuals, jacobian_tape, jacobian, nominals, bounds, linear, place
+    unknowns,
+    slots,
+    residual_tape,
+    residuals,
+    jacobian_tape,
+    jacobian,
+    nominals,
+    bounds,
+    linear,
+    place
 });
 wire_struct!(BlockDerivative { torn_block, order, jacobian, seeds, results });
 wire_enum!(DiscreteUnknown { Variable(v, slot) = 0, Relation(k, slot) = 1 });
@@ -147,15 +156,43 @@ wire_struct!(DelaySlots { variable, source, delay, moves });
 wire_struct!(ReaderSlots { place, from, to });
 wire_struct!(TransportSlots { ends, entering, initial, readers });
 wire_struct!(Layout {
-    time, initial, terminal, variables, states, derivatives, nominals, pre, relations, candidates,
-    indicators, parameter_inputs, signals, delays, transports, starts,
+    time,
+    initial,
+    terminal,
+    variables,
+    states,
+    derivatives,
+    nominals,
+    pre,
+    relations,
+    candidates,
+    indicators,
+    parameter_inputs,
+    signals,
+    delays,
+    transports,
+    starts,
 });
 wire_struct!(Tapes {
-    parameters, initial, event, discrete, rhs, roots, outputs, jacobian, state_selection
+    parameters,
+    initial,
+    event,
+    discrete,
+    rhs,
+    roots,
+    outputs,
+    jacobian,
+    state_selection
 });
 wire_struct!(Routines { torn_blocks, block_derivatives, mixed_blocks, calls, functions });
 wire_struct!(Events {
-    relation_triggers, lagged_initial, lagged_event, clocks, reinits, asserts, terminates,
+    relation_triggers,
+    lagged_initial,
+    lagged_event,
+    clocks,
+    reinits,
+    asserts,
+    terminates,
     reads_terminal,
 });
 wire_struct!(Continuation { program, lambda, slots });

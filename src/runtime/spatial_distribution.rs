@@ -323,5 +323,14 @@ impl Line {
     }
 }
 
-crate::base::wire::wire_struct!(Line { slots, segments, ends, inflow, is_inflow, recorded_at, speed, current });
+crate::base::wire::wire_struct!(Line {
+    slots,
+    segments,
+    ends,
+    inflow,
+    is_inflow,
+    recorded_at,
+    speed,
+    current
+});
 crate::base::wire::wire_struct!(TransportLines { lines });

@@ -365,9 +365,7 @@ impl<'p, 's> Simulation<'p, 's> {
         }
         Ok(match switched {
             Some(at) => Due::Event(at, Cause::State),
-            None if reached && t_stop == breakpoint => {
-                Due::Breakpoint(t_stop, t_stop == instant)
-            }
+            None if reached && t_stop == breakpoint => Due::Breakpoint(t_stop, t_stop == instant),
             None if reached && t_stop == instant => Due::Event(t_stop, Cause::Time),
             None => Due::Nothing(self.stepper.t()),
         })

@@ -1,7 +1,7 @@
 //! Interpolation of a function of one argument.
 
-use crate::base::wire::wire_struct;
 use super::{Extrapolation, interval};
+use crate::base::wire::wire_struct;
 use crate::numeric::hermite::{Smoothness, hermite, polynomial, slopes};
 
 /// A piecewise polynomial through points, with its derivatives.

@@ -4,9 +4,9 @@
 //! "A method of bivariate interpolation and smooth surface fitting based on local procedures",
 //! Comm. ACM 17 (1974) 18-20.
 
-use crate::base::wire::wire_struct;
 use super::curve::wrapped;
 use super::{Extrapolation, interval};
+use crate::base::wire::wire_struct;
 use crate::numeric::hermite::{Smoothness, extended, hermite, weights};
 
 /// A piecewise polynomial of two arguments, with its derivatives.

@@ -3,9 +3,9 @@
 //! Between two jumps it is a separate [`Curve`]. Time events are at all points, at jumps only, or
 //! nowhere.
 
-use crate::base::wire::wire_struct;
 use super::Extrapolation;
 use super::curve::{Curve, wrapped};
+use crate::base::wire::wire_struct;
 use crate::numeric::hermite::Smoothness;
 
 /// The instants of time events.
