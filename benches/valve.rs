@@ -68,7 +68,7 @@ fn cycle_interpreted(bencher: Bencher) {
 /// Like a single simulation: interpreted at first, then compiled.
 #[divan::bench]
 fn cycle_adaptive(bencher: Bencher) {
-    run(bencher, &VALVE.program, Execution::Adaptive);
+    run(bencher, &VALVE.program, Execution::default());
 }
 
 /// From the program to its machine code.

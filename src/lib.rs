@@ -73,6 +73,8 @@ pub mod report;
 pub mod measure;
 // The recipe: from files to a compiled model.
 pub mod driver;
+// Models for other tools: Functional Mock-up Units.
+pub mod fmu;
 // Many runs of one model.
 pub mod sweep;
 // Parameters from recordings.

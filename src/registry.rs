@@ -18,6 +18,7 @@ use crate::evaluate::cause::types::TypeCause;
 use crate::evaluate::cause::value::ValueCause;
 use crate::flatten::cause::{FlattenCause, OverrideCause};
 use crate::flatten::connect::cause::ConnectCause;
+use crate::fmu::cause::FmuCause;
 use crate::instantiate::cause::InstantiateCause;
 use crate::lower::error::LoweringCause;
 use crate::measure::error::MeasureCause;
@@ -57,6 +58,7 @@ const STAGES: &[&[Entry]] = &[
     RecordingCause::ENTRIES,
     CatalogueCause::ENTRIES,
     MeasureCause::ENTRIES,
+    FmuCause::ENTRIES,
 ];
 
 /// All causes, by code.

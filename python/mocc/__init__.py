@@ -21,6 +21,7 @@ from mocc._errors import (
     RequestError,
     SimulationError,
 )
+from mocc._fmu import export_fmu
 from mocc._linear import Linearization, SteadyState
 from mocc._mocc import __version__
 from mocc._model import Model, Parameter, Variable, compile
@@ -54,5 +55,6 @@ __all__ = [
     "calibrate",
     "compile",
     "diagnose",
+    "export_fmu",
     "sweep",
 ]

@@ -4,11 +4,13 @@ import signal
 import sys
 
 from mocc import _mocc
+from mocc._fmu import offer_runtime
 
 
 def main() -> int:
     """Runs the command line of this process; returns its exit status."""
     arguments = ["mocc", *sys.argv[1:]]
+    offer_runtime()
     if arguments[1:2] == ["sweep"] and any(a.split("=")[0] == "--cluster" for a in arguments):
         from mocc._cluster_command import sweep
 

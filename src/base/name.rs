@@ -16,15 +16,19 @@ pub fn name(text: &str) -> Name {
 /// The strings that have an id.
 #[derive(Default)]
 struct StringIds {
-    names: Vec<Name>,
+    names: FastMap<u32, Name>,
     ids: FastMap<Name, u32>,
 }
 
 static STRING_IDS: RwLock<Option<StringIds>> = RwLock::new(None);
 
 /// The id of a string, for storage that can only hold numbers: equal strings have equal ids, and
-/// the empty string has the id 0.
+/// the empty string has the id 0. Ids are hashes (FNV-1a, Fowler, Noll and Vo 1991), so that a string has
+/// the same id in each process, unless that id is taken there by another string.
 pub fn string_id(text: Name) -> u32 {
+    if text.is_empty() {
+        return 0;
+    }
     // A simulation asks for the same few strings repeatedly, so try the shared lock first.
     let known = STRING_IDS.read().unwrap_or_else(std::sync::PoisonError::into_inner);
     let found = known.as_ref().and_then(|k| k.ids.get(&text).copied());
@@ -33,19 +37,23 @@ pub fn string_id(text: Name) -> u32 {
         return found;
     }
     let mut known = STRING_IDS.write().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let known = known.get_or_insert_with(|| {
-        let empty = name("");
-        StringIds { names: vec![empty], ids: std::iter::once((empty, 0)).collect() }
-    });
-    *known.ids.entry(text).or_insert_with(|| {
-        known.names.push(text);
-        known.names.len() as u32 - 1
-    })
+    let known = known.get_or_insert_with(StringIds::default);
+    if let Some(found) = known.ids.get(&text) {
+        return *found;
+    }
+    let step = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+    let mut id = text.bytes().fold(0x811c_9dc5, step).max(1);
+    while known.names.contains_key(&id) {
+        id = id.wrapping_add(1).max(1);
+    }
+    known.names.insert(id, text);
+    known.ids.insert(text, id);
+    id
 }
 
 /// The string with this id; the empty string if no string has it.
 pub fn string_of_id(id: u32) -> Name {
     let known = STRING_IDS.read().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let found = known.as_ref().and_then(|k| k.names.get(id as usize));
+    let found = known.as_ref().and_then(|k| k.names.get(&id));
     found.copied().unwrap_or_else(|| name(""))
 }

@@ -16,6 +16,7 @@ pub mod check;
 pub mod diagnose;
 pub mod evaluate;
 pub mod explain;
+pub mod export;
 pub mod format;
 pub mod interrupt;
 pub mod linear_text;
@@ -132,6 +133,7 @@ fn carry_out(command: args::Command) -> Status {
         args::Command::Explain(options) => explain::run(&options),
         args::Command::Format(options) => format::run(&options),
         args::Command::Flatten(options) => show::flatten(&options),
+        args::Command::Export(options) => export::run(&options),
         args::Command::Structure(options) => show::structure(&options),
     }
 }

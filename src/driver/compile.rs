@@ -326,6 +326,35 @@ impl Session {
         Ok((self.compile_flat(flat, request.form)?, ports))
     }
 
+    /// The program of a request, all of whose free inputs may be set while it runs, and the causality of its
+    /// top-level variables.
+    pub fn compile_for_export(
+        &mut self,
+        request: &Request,
+    ) -> Result<(Program, Vec<(String, Causality)>), CompileError> {
+        let mut flat = self.flatten(request)?;
+        let known = |v: &Variable| v.causality.map(|causality| (v.name.clone(), causality));
+        let is_free = |v: &Variable| v.causality != Some(Causality::Input) || v.binding.is_none();
+        let causalities = flat.variables.iter().filter(|v| is_free(v)).filter_map(known).collect();
+        let mut driven = Vec::new();
+        for k in flat.variables.ids() {
+            let v = &flat.variables[k];
+            if v.causality != Some(Causality::Input) || v.binding.is_some() {
+                continue;
+            }
+            if v.ty == Type::Real && v.variability == Variability::Continuous {
+                driven.push(v.name.clone());
+            } else if v.start.is_none() {
+                // What can be set has a start value.
+                let value = f64::from(u8::from(matches!(v.ty, Type::Enumeration(_))));
+                let start = flat.graph.constant(Const::of_type(v.ty, value));
+                flat.variables[k].start = Some(start);
+            }
+        }
+        self.drive(&mut flat, &driven)?;
+        Ok((self.compile_flat(flat, request.form)?, causalities))
+    }
+
     /// Marks the inputs that recordings drive; each must exist and have no value of its own.
     pub fn drive(&mut self, flat: &mut FlatModel, inputs: &[String]) -> Result<(), CompileError> {
         for input in inputs {

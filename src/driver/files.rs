@@ -251,3 +251,8 @@ pub fn folders(request: &Request) -> Vec<Box<dyn Folder>> {
     all.push(Box::new(Shipped));
     all
 }
+
+/// The bytes of a shared library that is copied into an archive.
+pub fn read_library(path: &Path) -> std::io::Result<Vec<u8>> {
+    std::fs::read(path)
+}

@@ -13,6 +13,7 @@ pub mod split_u64;
 pub mod string_operator;
 pub mod strings;
 pub mod table;
+pub mod transfer;
 pub mod xorshift1024;
 
 use std::any::Any;

@@ -6,6 +6,7 @@
 //! 1. All operations are exact and wrap around.
 
 use super::{External, Signature, same_if_equal};
+use crate::base::wire::wire_enum;
 
 /// A half of a word.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -80,6 +81,17 @@ fn part(word: u64, half: Half) -> f64 {
         Half::High => number((word >> 32) as u32),
     }
 }
+
+wire_enum!(Half { Low = 0, High = 1 });
+wire_enum!(Operation {
+    Xor = 0,
+    Add = 1,
+    Carry = 2,
+    ShiftLeft(bits, half) = 3,
+    ShiftRight(bits, half) = 4,
+    Times(factor, half) = 5,
+    Fraction = 6,
+});
 
 #[cfg(test)]
 mod tests {

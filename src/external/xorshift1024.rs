@@ -1,5 +1,6 @@
 //! The random number generator xorshift1024*, with access by index.
 
+use crate::base::wire::{Damaged, Reader, Wire};
 use std::sync::Mutex;
 
 use super::{External, Signature, same_if_equal};
@@ -84,6 +85,16 @@ impl External for Stream {
 impl PartialEq for Stream {
     fn eq(&self, other: &Self) -> bool {
         (self.seed, self.first) == (other.seed, other.first)
+    }
+}
+
+impl Wire for Stream {
+    fn write(&self, out: &mut Vec<u8>) {
+        self.seed.write(out);
+        self.first.write(out);
+    }
+    fn read(from: &mut Reader<'_>) -> Result<Self, Damaged> {
+        Ok(Stream::new(Wire::read(from)?, Wire::read(from)?))
     }
 }
 

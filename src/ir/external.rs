@@ -35,6 +35,11 @@ impl Externals {
         ExternalId::from_usize(at)
     }
 
+    /// All functions, in the order of their ids.
+    pub fn all(&self) -> &[Arc<dyn External>] {
+        &self.functions
+    }
+
     /// The function with this id.
     pub fn get(&self, id: ExternalId) -> &Arc<dyn External> {
         &self.functions[id.idx()]

@@ -117,6 +117,8 @@ impl Basis {
     }
 }
 
+crate::base::wire::wire_struct!(Basis { rows, columns, chosen, reduced });
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -163,6 +163,8 @@ fn through(x: &[f64], y: &mut [f64], t: f64, order: u32) -> f64 {
     }
 }
 
+crate::base::wire::wire_struct!(PolynomialSegment { t, value });
+
 #[cfg(test)]
 mod tests {
     use super::*;

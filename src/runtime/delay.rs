@@ -145,6 +145,9 @@ impl Line {
     }
 }
 
+crate::base::wire::wire_struct!(Line { source, delay, moves, slots, segments, current });
+crate::base::wire::wire_struct!(DelayBuffers { lines });
+
 #[cfg(test)]
 mod tests {
     use super::*;

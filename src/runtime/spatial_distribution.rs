@@ -322,3 +322,15 @@ impl Line {
         behind.fold(f64::INFINITY, f64::min)
     }
 }
+
+crate::base::wire::wire_struct!(Line {
+    slots,
+    segments,
+    ends,
+    inflow,
+    is_inflow,
+    recorded_at,
+    speed,
+    current
+});
+crate::base::wire::wire_struct!(TransportLines { lines });

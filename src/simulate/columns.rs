@@ -70,7 +70,8 @@ fn column(v: &Variable) -> Column {
 }
 
 /// The variable that a value is an alias of, and whether it is negated.
-fn alias(dae: &Dae, value: ExprId) -> Option<(VarId, bool)> {
+/// The variable of which an expression is another name, and whether the sign differs.
+pub fn alias(dae: &Dae, value: ExprId) -> Option<(VarId, bool)> {
     match dae.graph.node(value) {
         Node::Var(v) | Node::Der(v) => Some((v, false)),
         Node::Unary(Unary::Neg, a) => match dae.graph.node(a) {
@@ -81,12 +82,13 @@ fn alias(dae: &Dae, value: ExprId) -> Option<(VarId, bool)> {
     }
 }
 
-fn is_parameter(dae: &Dae, v: VarId) -> bool {
+/// True for parameters and constants.
+pub fn is_parameter(dae: &Dae, v: VarId) -> bool {
     matches!(dae.variables[v].kind, VariableKind::Parameter | VariableKind::InitialParameter)
 }
 
 /// True if an expression reads only literals and parameters.
-fn is_constant(dae: &Dae, value: ExprId) -> bool {
+pub fn is_constant(dae: &Dae, value: ExprId) -> bool {
     dae.graph.all([value], |_, node| match node {
         Node::Const(_) | Node::Unary(..) | Node::Binary(..) | Node::If(..) => true,
         Node::Var(v) => is_parameter(dae, v),

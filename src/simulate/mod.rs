@@ -28,6 +28,7 @@ pub mod settable;
 pub mod settings;
 mod slow_progress;
 pub mod state_selection;
+pub mod stepping;
 pub mod system;
 mod time_features;
 

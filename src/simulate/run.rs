@@ -24,7 +24,7 @@ use super::event::zeno::{Accumulation, Bounces};
 use super::extrema::ExtremaSearch;
 use super::failure::non_finite::{Explainer, relation_text};
 use super::failure::{Failure, of_fault, of_integration, start_failure};
-use super::initialization::initialise;
+use super::initialization::{Start, StartError, initialise};
 use super::integers::integers;
 use super::method::{Choice, Integrator};
 use super::options::options;
@@ -188,6 +188,17 @@ pub(super) fn arrive<'p>(
     Ok((simulation.system, simulation.t, simulation.y))
 }
 
+/// What is due after a step.
+#[derive(Clone, Copy)]
+pub(crate) enum Due {
+    /// An event at this instant, s.
+    Event(f64, Cause),
+    /// The end of a smooth piece of an input or a history at this instant, and whether a clock ticks there.
+    Breakpoint(f64, bool),
+    /// The step is complete at this instant.
+    Nothing(f64),
+}
+
 /// A run in progress.
 pub struct Simulation<'p, 's> {
     pub(super) program: &'p Program,
@@ -203,6 +214,8 @@ pub struct Simulation<'p, 's> {
     pub(super) statistics: Statistics,
     pub(super) start: f64,
     pub(super) stop: f64,
+    /// No step goes beyond this instant, s; infinite unless the run is advanced from outside.
+    pub(super) limit: f64,
     pub(super) t: f64,
     pub(super) y: Vec<f64>,
     pub(super) reported_asserts: Vec<bool>,
@@ -223,7 +236,7 @@ pub struct Simulation<'p, 's> {
 }
 
 impl<'p, 's> Simulation<'p, 's> {
-    fn begin(
+    pub(super) fn begin(
         program: &'p Program,
         settings: &Settings,
         inputs: &[Input],
@@ -240,13 +253,7 @@ impl<'p, 's> Simulation<'p, 's> {
         if let Some(s) = &mut sensitivity {
             s.attach(&mut system.machine);
         }
-        let mut started = initialise(&mut system.machine, settings);
-        for _ in 0..MAX_HISTORY_ITERATIONS {
-            if !system.machine.has_history() || started.is_err() || !first_values(&mut system, t) {
-                break;
-            }
-            started = initialise(&mut system.machine, settings);
-        }
+        let started = initialise_with_histories(&mut system, settings);
         if let Some(s) = &mut sensitivity {
             s.detach(&mut system.machine);
             s.restart_from_memory(program, t);
@@ -282,6 +289,7 @@ impl<'p, 's> Simulation<'p, 's> {
             statistics: Statistics { method, ..Statistics::default() },
             start: settings.start,
             stop: settings.stop,
+            limit: f64::INFINITY,
             t,
             y,
             reported_asserts: vec![false; program.events.asserts.len()],
@@ -316,49 +324,8 @@ impl<'p, 's> Simulation<'p, 's> {
                 self.ended = true;
                 break;
             }
-            let instant = self.clocks.next_instant(&self.system.machine, self.t);
-            let machine = &self.system.machine;
-            let delayed = machine.delays.next_breakpoint(&machine.memory);
-            let breakpoint = machine.input_signals.next_breakpoint().min(delayed);
-            let history_limit = self.t
-                + machine
-                    .transports
-                    .max_step(&machine.memory)
-                    .max(MIN_STEP_FRACTION * (self.stop - self.start));
-            let t_stop = instant.min(breakpoint).min(self.stop).min(history_limit);
-            let t_stop = self.time_features.end_of_step(self.t, t_stop);
-            let mut reached = self.step(t_stop)?;
-            let mut switched = self.first_switch()?;
-            if self.system.left_domain && switched.is_none() && self.has_left_the_domain() {
-                // The step left the domain without an event: repeat it without clamping.
-                self.stepper.interpolate(self.t, &mut self.y);
-                if let Some(s) = &mut self.sensitivity {
-                    s.restart(self.t);
-                }
-                self.system.strict = true;
-                let repeated = self.restart().and_then(|()| self.step(t_stop));
-                self.system.strict = false;
-                reached = repeated?;
-                switched = self.first_switch()?;
-            }
-            match switched {
-                Some(at) => self.event(at, Cause::State)?,
-                None if reached && t_stop == breakpoint => {
-                    self.breakpoint(t_stop, t_stop == instant)?;
-                }
-                None if reached && t_stop == instant => self.event(t_stop, Cause::Time)?,
-                None if self.end_of_sliding()?.is_some() => {}
-                None => {
-                    let t = self.stepper.t();
-                    if self.system.machine.records_history() {
-                        self.record_history(t, false)?;
-                    }
-                    self.complete_step(t)?;
-                    if self.reselect_after_step()? {
-                        self.restart()?;
-                    }
-                }
-            }
+            let due = self.step_once()?;
+            self.conclude(due)?;
         }
         self.statistics.end = self.t;
         let ends_by_itself = !self.statistics.interrupted;
@@ -366,6 +333,62 @@ impl<'p, 's> Simulation<'p, 's> {
             self.terminal_event()
         } else {
             Ok(())
+        }
+    }
+
+    /// One accepted step of the integrator; what is due within it or at its end.
+    pub(crate) fn step_once(&mut self) -> Result<Due, Failure> {
+        let instant = self.clocks.next_instant(&self.system.machine, self.t);
+        let machine = &self.system.machine;
+        let delayed = machine.delays.next_breakpoint(&machine.memory);
+        let breakpoint = machine.input_signals.next_breakpoint().min(delayed);
+        let history_limit = self.t
+            + machine
+                .transports
+                .max_step(&machine.memory)
+                .max(MIN_STEP_FRACTION * (self.stop - self.start));
+        let t_stop = instant.min(breakpoint).min(self.stop).min(self.limit).min(history_limit);
+        let t_stop = self.time_features.end_of_step(self.t, t_stop);
+        let mut reached = self.step(t_stop)?;
+        let mut switched = self.first_switch()?;
+        if self.system.left_domain && switched.is_none() && self.has_left_the_domain() {
+            // The step left the domain without an event: repeat it without clamping.
+            self.stepper.interpolate(self.t, &mut self.y);
+            if let Some(s) = &mut self.sensitivity {
+                s.restart(self.t);
+            }
+            self.system.strict = true;
+            let repeated = self.restart().and_then(|()| self.step(t_stop));
+            self.system.strict = false;
+            reached = repeated?;
+            switched = self.first_switch()?;
+        }
+        Ok(match switched {
+            Some(at) => Due::Event(at, Cause::State),
+            None if reached && t_stop == breakpoint => Due::Breakpoint(t_stop, t_stop == instant),
+            None if reached && t_stop == instant => Due::Event(t_stop, Cause::Time),
+            None => Due::Nothing(self.stepper.t()),
+        })
+    }
+
+    /// Executes what is due after a step.
+    pub(crate) fn conclude(&mut self, due: Due) -> Result<(), Failure> {
+        match due {
+            Due::Event(at, cause) => self.event(at, cause),
+            Due::Breakpoint(t, ticks) => self.breakpoint(t, ticks),
+            Due::Nothing(t) => {
+                if self.end_of_sliding()?.is_some() {
+                    return Ok(());
+                }
+                if self.system.machine.records_history() {
+                    self.record_history(t, false)?;
+                }
+                self.complete_step(t)?;
+                if self.reselect_after_step()? {
+                    self.restart()?;
+                }
+                Ok(())
+            }
         }
     }
 
@@ -653,6 +676,24 @@ impl<'p, 's> Simulation<'p, 's> {
     pub(super) fn place(&self, span: Span) -> String {
         self.sources.place(span).unwrap_or_default()
     }
+}
+
+/// Initializes all variables, and the histories of delayed variables with their initial values.
+pub fn initialise_with_histories(
+    system: &mut HybridSystem<'_>,
+    settings: &Settings,
+) -> Result<Start, StartError> {
+    let mut started = initialise(&mut system.machine, settings);
+    for _ in 0..MAX_HISTORY_ITERATIONS {
+        if !system.machine.has_history()
+            || started.is_err()
+            || !first_values(system, settings.start)
+        {
+            break;
+        }
+        started = initialise(&mut system.machine, settings);
+    }
+    started
 }
 
 /// Starts the histories of delayed variables and transport lines; true if their initial values have

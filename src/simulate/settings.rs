@@ -67,6 +67,11 @@ pub struct Settings {
 impl Settings {
     /// The settings of the model's `experiment` annotation, with defaults.
     pub fn of(experiment: &Experiment) -> Self {
+        Settings::executed(experiment, Execution::default())
+    }
+
+    /// As [`Settings::of`], for tapes that are executed in this way.
+    pub fn executed(experiment: &Experiment, execution: Execution) -> Self {
         let start = experiment.start.unwrap_or(0.0);
         let stop = experiment.stop.unwrap_or(start + DEFAULT_STOP);
         Settings {
@@ -78,7 +83,7 @@ impl Settings {
             parameters: Vec::new(),
             starts: Vec::new(),
             courses: Vec::new(),
-            execution: Execution::default(),
+            execution,
             instants: None,
             extrema: Vec::new(),
             spacing: None,

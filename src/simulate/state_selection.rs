@@ -13,6 +13,7 @@ use crate::runtime::machine::{Fault, Machine};
 pub const LIMIT: f64 = 2.0;
 
 /// The current selection.
+#[derive(Clone)]
 pub struct StateSelector {
     dependent: Vec<Basis>,
     matrix: Vec<f64>,
@@ -88,3 +89,5 @@ impl StateSelector {
         }
     }
 }
+
+crate::base::wire::wire_struct!(StateSelector { dependent, matrix });

@@ -30,6 +30,11 @@ impl Dimension {
         Dimension(exponents.map(|k| k * PARTS))
     }
 
+    /// The exponents of kg, m, s, A, K, mol and cd, if they are whole.
+    pub fn exponents(self) -> Option<[i32; 7]> {
+        self.0.iter().all(|part| part % PARTS == 0).then(|| self.0.map(|part| part / PARTS))
+    }
+
     /// The dimension of a product.
     pub fn times(self, other: Dimension) -> Dimension {
         Dimension(std::array::from_fn(|k| self.0[k] + other.0[k]))

@@ -34,6 +34,9 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("MO0917", "a calibration goes on with differences of runs"),
     ("MO0931", "follows eight warnings MO0919"),
     ("MO0999", "is a bug in mocc"),
+    ("MO1300", "the runtime may have been built next to the program"),
+    ("MO1302", "all external functions of mocc can be written"),
+    ("MO1304", "the operating system denies it"),
     ("MO1273", "the parser rejects every expression that is not a call"),
 ];
 
@@ -58,6 +61,7 @@ const GROUPS: &[(&str, &[&str])] = &[
     ("Run time", &["09"]),
     ("Plans and recordings", &["10"]),
     ("Measures", &["11"]),
+    ("FMUs", &["13"]),
 ];
 
 // ---- The examples ----

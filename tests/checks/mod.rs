@@ -18,6 +18,7 @@ mod errors;
 mod examples;
 mod figures;
 mod format;
+mod fmu;
 mod friction;
 mod fuzz;
 mod implicit;

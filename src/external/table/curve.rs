@@ -1,6 +1,7 @@
 //! Interpolation of a function of one argument.
 
 use super::{Extrapolation, interval};
+use crate::base::wire::wire_struct;
 use crate::numeric::hermite::{Smoothness, hermite, polynomial, slopes};
 
 /// A piecewise polynomial through points, with its derivatives.
@@ -113,6 +114,8 @@ pub fn wrapped(u: f64, first: f64, last: f64) -> f64 {
     let shifted = u - period * ((u - first) / period).floor();
     if shifted < last { shifted.max(first) } else { first }
 }
+
+wire_struct!(Curve { x, segments, last, end_slopes, extrapolation });
 
 #[cfg(test)]
 mod tests {

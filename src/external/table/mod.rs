@@ -34,3 +34,5 @@ fn interval(x: &[f64], u: f64) -> usize {
     let after = x.partition_point(|point| *point <= u);
     after.saturating_sub(1).min(x.len().saturating_sub(2))
 }
+
+crate::base::wire::wire_enum!(Extrapolation { Hold = 0, Linear = 1, Periodic = 2, Forbidden = 3 });

@@ -6,6 +6,7 @@
 
 use super::curve::wrapped;
 use super::{Extrapolation, interval};
+use crate::base::wire::wire_struct;
 use crate::numeric::hermite::{Smoothness, extended, hermite, weights};
 
 /// A piecewise polynomial of two arguments, with its derivatives.
@@ -254,6 +255,8 @@ fn bipolynomial(c: &[f64; 16], p: f64, q: f64, k: u8, l: u8) -> f64 {
     }
     sum
 }
+
+wire_struct!(Surface { x, y, cells, beyond, level, extrapolation });
 
 #[cfg(test)]
 mod tests {

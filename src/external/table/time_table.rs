@@ -5,6 +5,7 @@
 
 use super::Extrapolation;
 use super::curve::{Curve, wrapped};
+use crate::base::wire::wire_struct;
 use crate::numeric::hermite::Smoothness;
 
 /// The instants of time events.
@@ -159,6 +160,8 @@ fn near(a: f64, b: f64, slack: f64) -> bool {
 fn slack(t: f64) -> f64 {
     8.0 * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE)
 }
+
+wire_struct!(TimeTable { parts, stops, range, extrapolation, start, shift });
 
 #[cfg(test)]
 mod tests {

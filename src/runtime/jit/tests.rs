@@ -323,7 +323,7 @@ fn invalid_references_are_rejected() {
 fn interpretation_is_replaced_by_machine_code() {
     let program = program();
     let mut machine = Machine::new(&program);
-    machine.set_execution(&Execution::Adaptive);
+    machine.set_execution(&Execution::default());
     let mut out = [0.0];
     for k in 0..200_000 {
         let x = f64::from(k);

@@ -21,15 +21,25 @@ use crate::ir::program::Program;
 const TRANSLATION_COST: u64 = 1500;
 
 /// How a run executes its program.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub enum Execution {
     /// Interpreted until that has cost as much as a compilation, then by machine code.
-    #[default]
-    Adaptive,
+    Adaptive(Starter),
     /// Interpreted.
     Interpreted,
     /// By existing machine code. If it belongs to another program, the run is interpreted.
     Compiled(Arc<MachineCode>),
+}
+
+/// What starts a compilation. A program that never names it, such as the runtime of FMUs, does not contain the
+/// compiler.
+#[derive(Clone, Copy, Debug)]
+pub struct Starter(fn(&Program) -> Option<Translation>);
+
+impl Default for Execution {
+    fn default() -> Self {
+        Execution::Adaptive(Starter(Translation::start))
+    }
 }
 
 impl Execution {
@@ -64,13 +74,15 @@ pub enum Tier {
 
 /// Counts interpreted instructions and starts the compilation at a threshold.
 pub struct TierUp {
+    starter: Starter,
     interpreted: u64,
     threshold: u64,
     translation: Option<Translation>,
 }
 
 /// A compilation in its thread; cancelled on drop.
-struct Translation {
+#[derive(Debug)]
+pub struct Translation {
     done: Arc<OnceLock<Option<Arc<MachineCode>>>>,
     cancelled_flag: Arc<AtomicBool>,
 }
@@ -82,10 +94,15 @@ impl Tier {
             Execution::Interpreted => Tier::Interpreted,
             Execution::Compiled(code) if code.is_of(program) => Tier::with(Arc::clone(code)),
             Execution::Compiled(_) => Tier::Interpreted,
-            Execution::Adaptive => {
+            Execution::Adaptive(starter) => {
                 let instructions: usize = program.all_tapes().iter().map(|(_, t)| t.len()).sum();
                 let threshold = TRANSLATION_COST * instructions as u64;
-                Tier::Interpreting(TierUp { interpreted: 0, threshold, translation: None })
+                Tier::Interpreting(TierUp {
+                    starter: *starter,
+                    interpreted: 0,
+                    threshold,
+                    translation: None,
+                })
             }
         }
     }
@@ -117,7 +134,7 @@ impl TierUp {
         // Do not poll at each tape.
         self.threshold = self.interpreted + self.interpreted / 16;
         let Some(translation) = &self.translation else {
-            self.translation = Translation::start(program);
+            self.translation = (self.starter.0)(program);
             return self.translation.is_none().then_some(Tier::Interpreted);
         };
         let outcome = translation.done.get()?;

@@ -43,6 +43,11 @@ impl Tangents {
         self.directions
     }
 
+    /// Makes all tangents zero.
+    pub fn clear_all(&mut self) {
+        self.values.fill(0.0);
+    }
+
     /// The derivatives of a slot.
     pub fn of(&self, slot: Slot) -> &[f64] {
         let start = slot as usize * self.width;

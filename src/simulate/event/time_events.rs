@@ -7,7 +7,7 @@ use crate::runtime::machine::Machine;
 const SIMULTANEOUS: f64 = 4.0;
 
 /// The clocks of a run.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Clocks {
     /// Number of the next tick of each.
     next: Vec<u64>,
@@ -71,3 +71,5 @@ impl Clocks {
         machine.get(clock.start) + self.next[k] as f64 * machine.get(clock.interval)
     }
 }
+
+crate::base::wire::wire_struct!(Clocks { next });

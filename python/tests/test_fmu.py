@@ -1,0 +1,38 @@
+"""FMUs: the archive, and errors with their codes."""
+
+import os
+import zipfile
+from pathlib import Path
+
+import pytest
+
+import mocc
+
+from conftest import TANK
+
+RUNTIME = Path(mocc.__file__).with_name("libmocc_fmu.so")
+
+
+def test_an_fmu_holds_the_model_and_its_runtime(tmp_path):
+    runtime = tmp_path / "runtime.so"
+    runtime.write_bytes(b"a stand-in")
+    path = mocc.export_fmu(TANK, tmp_path / "tank.fmu", set={"x_0": 3}, fmi=2, type="cs", runtime=runtime)
+    with zipfile.ZipFile(path) as archive:
+        names = set(archive.namelist())
+        description = archive.read("modelDescription.xml").decode()
+    assert names == {"modelDescription.xml", "binaries/linux64/Tank.so", "resources/model.mocc"}
+    assert 'fmiVersion="2.0"' in description and "<CoSimulation" in description
+    assert "<ModelExchange" not in description and 'start="3.0"' in description
+
+
+def test_wrong_arguments(tmp_path):
+    with pytest.raises(mocc.RequestError, match="fmi is 4"):
+        mocc.export_fmu(TANK, tmp_path / "tank.fmu", fmi=4)
+    with pytest.raises(mocc.ModelError, match="MO0"):
+        mocc.export_fmu("model M Real x = ; end M;", tmp_path / "m.fmu", runtime=__file__)
+
+
+@pytest.mark.skipif(RUNTIME.exists() or "MOCC_FMU_RUNTIME" in os.environ, reason="the runtime is here")
+def test_a_missing_runtime_is_named(tmp_path):
+    with pytest.raises(mocc.RequestError, match="MO1300"):
+        mocc.export_fmu(TANK, tmp_path / "tank.fmu")

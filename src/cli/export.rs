@@ -1,0 +1,133 @@
+//! `mocc export fmu`: compiles a model and writes it as an FMU.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use super::args::{Export, ExportFmu, Exported, FmuType};
+use super::{Status, explain, print, running, say, style};
+use crate::base::diag::Diagnostic;
+use crate::base::render::render;
+use crate::base::source::{SourceMap, Span};
+use crate::driver::compile::Session;
+use crate::driver::files::read_library;
+use crate::fmu::cause::FmuCause;
+use crate::fmu::description::Version;
+use crate::fmu::export::{Order, export};
+use crate::io::atomic_file::write_file;
+
+/// The name of the shared library that runs exported models.
+const RUNTIME: &str = "libmocc_fmu.so";
+
+/// Runs the command.
+pub fn run(options: &Export) -> Status {
+    match &options.what {
+        Exported::Fmu(options) => fmu(options),
+    }
+}
+
+fn fmu(options: &ExportFmu) -> Status {
+    let started_at = Instant::now();
+    let (runtime, from) = match runtime(options) {
+        Ok(found) => found,
+        Err(diagnostic) => return refused(&diagnostic),
+    };
+    let mut session = Session { is_last: true, ..Session::default() };
+    let compiled = session.compile_for_export(&options.model.request());
+    say(&session);
+    let (program, causalities) = match compiled {
+        Ok(compiled) => compiled,
+        Err(error) => return error.into(),
+    };
+    let extra = if options.with_source { sources(&session.sources) } else { Vec::new() };
+    let order = Order {
+        version: if options.fmi == "2" { Version::Two } else { Version::Three },
+        exchange: options.kind != FmuType::Cs,
+        stepping: options.kind != FmuType::Me,
+        runtime: &runtime,
+        extra,
+        with_source: options.with_source,
+    };
+    let (archive, warning) = match export(&program, &causalities, &order) {
+        Ok(made) => made,
+        Err(diagnostic) => return refused(&diagnostic),
+    };
+    let only_stepping = warning.is_some();
+    if let Some(warning) = warning {
+        eprintln!("{}\n", render(&warning, &session.sources, style()));
+    }
+    let path = options.output.clone().unwrap_or_else(|| {
+        PathBuf::from(format!("{}.fmu", running::stem(&options.model, &program)))
+    });
+    if let Err(why) = write_file(&path, &archive) {
+        let why = why.to_string();
+        return refused(&file_problem(&path, why));
+    }
+    let offered = match (order.exchange && !only_stepping, order.stepping) {
+        (true, true) => "Model Exchange and Co-Simulation",
+        (true, false) => "Model Exchange",
+        _ => "Co-Simulation",
+    };
+    let text = format!(
+        "{}: FMI {}.0, {offered}, {} states\n  wrote {} ({:.2} MB) in {:.0} ms, with {}\n",
+        program.blocks.dae.name,
+        options.fmi,
+        program.blocks.states.len(),
+        path.display(),
+        archive.len() as f64 / 1e6,
+        1e3 * started_at.elapsed().as_secs_f64(),
+        from.display(),
+    );
+    let status = print(&text);
+    std::mem::forget(program);
+    status
+}
+
+fn refused(diagnostic: &Diagnostic) -> Status {
+    eprintln!("{}", render(diagnostic, &SourceMap::default(), style()));
+    explain::remember([diagnostic]);
+    Status::Usage
+}
+
+fn file_problem(path: &std::path::Path, why: String) -> Diagnostic {
+    Diagnostic::new(FmuCause::FileOfFmu { path: path.display().to_string(), why }, Span::NONE)
+}
+
+/// The shared library and where it was found: where the user says, or next to this program.
+fn runtime(options: &ExportFmu) -> Result<(Vec<u8>, PathBuf), Diagnostic> {
+    if let Some(path) = &options.runtime {
+        let read = read_library(path);
+        return read
+            .map(|bytes| (bytes, path.clone()))
+            .map_err(|why| file_problem(path, why.to_string()));
+    }
+    let mut places: Vec<PathBuf> = Vec::new();
+    places.extend(std::env::var_os("MOCC_FMU_RUNTIME").map(PathBuf::from));
+    if let Some(folder) =
+        std::env::current_exe().ok().and_then(|exe| exe.parent().map(PathBuf::from))
+    {
+        places.push(folder.join(RUNTIME));
+        places.push(folder.join("../lib/mocc").join(RUNTIME));
+    }
+    for place in &places {
+        if let Ok(bytes) = read_library(place) {
+            return Ok((bytes, place.clone()));
+        }
+    }
+    let looked: Vec<String> = places.iter().map(|p| format!("`{}`", p.display())).collect();
+    Err(Diagnostic::new(FmuCause::NoRuntime { looked: looked.join(", ") }, Span::NONE))
+}
+
+/// The user's own sources: those of the shipped library are in every mocc.
+fn sources(sources: &SourceMap) -> Vec<(String, Vec<u8>)> {
+    let own = sources.files().filter(|file| {
+        let path = file.path.to_string_lossy();
+        !path.starts_with("lib:") && !path.starts_with("--")
+    });
+    let name = |file: &crate::base::source::SourceFile| {
+        let path = file.path.to_string_lossy();
+        let parts: Vec<&str> =
+            path.split(['/', '\\']).filter(|part| !matches!(*part, "" | "." | "..")).collect();
+        format!("extra/mocc/{}", parts.join("/"))
+    };
+    own.map(|file| (name(file), file.text.as_bytes().to_vec())).collect()
+}

@@ -1,0 +1,224 @@
+"""Exported models in FMPy: validated, simulated by both kinds of FMI, and compared with `mocc simulate`.
+
+    python tests/fmu/check.py target/release/mocc [MODEL...]
+
+Needs `fmpy`. A model is a file, or `FILE:NAME`; without any the examples are taken. Exits with 1 if something differs.
+"""
+
+import csv
+import ctypes
+import subprocess
+import sys
+import tempfile
+import threading
+from pathlib import Path
+
+import numpy as np
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.fmi3 import FMU3Model, FMU3Slave
+from fmpy.validation import validate_fmu
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = [
+    "examples/bouncing_ball.mol",
+    "examples/equalisation.mol",
+    "examples/oscillator.mol",
+    "examples/stick_slip.mol",
+    "examples/valve22.mol",
+    "examples/valve32.mol",
+    "examples/valve52.mol",
+    "examples/valve53.mol",
+    "tests/fmu/models.mo:Hybrid.Inputs",
+    "tests/fmu/models.mo:Hybrid.Ticks",
+    "tests/fmu/models.mo:Hybrid.Delayed",
+    "tests/fmu/models.mo:Hybrid.Pendulum",
+]
+# Largest differences in units of the range of a variable: at communication points, and on a grid between them, where
+# both are interpolated and a few points lie next to jumps.
+AT_POINTS = 1e-5
+BETWEEN = 1e-3
+
+failures = []
+
+
+def expect(holds: bool, what: str) -> None:
+    if not holds:
+        failures.append(what)
+        print(f"  wrong: {what}")
+
+
+def run(mocc: str, *arguments: str) -> None:
+    done = subprocess.run([mocc, *arguments], cwd=ROOT, capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(f"mocc {' '.join(arguments)}\n{done.stderr}")
+
+
+def reference(mocc: str, model: list[str], folder: Path) -> tuple[list[str], np.ndarray]:
+    """The names of the columns and the rows of a run."""
+    path = folder / "reference.csv"
+    run(mocc, "simulate", *model, "--output", str(path))
+    with open(path) as file:
+        names = [column.split(" [")[0] for column in next(csv.reader(file))]
+    return names, np.genfromtxt(path, delimiter=",", skip_header=1)
+
+
+def compare(mocc: str, model: str, folder: Path) -> None:
+    """Validates a model in both versions and compares both kinds with a run."""
+    file, _, name = model.partition(":")
+    arguments = [file, *(["--model", name] if name else [])]
+    names, rows = reference(mocc, arguments, folder)
+    t = rows[:, 0]
+    jumps = t[1:][np.diff(t) == 0]
+    for version in ("2", "3"):
+        fmu = str(folder / f"model{version}.fmu")
+        run(mocc, "export", "fmu", *arguments, "--fmi", version, "-o", fmu)
+        found = validate_fmu(fmu)
+        expect(not found, f"{model}, FMI {version}: {found[:2]}")
+        description = read_model_description(fmu)
+        default = description.defaultExperiment
+        start, stop, step = (float(x) for x in (default.startTime, default.stopTime, default.stepSize))
+        known = {
+            v.name
+            for v in description.modelVariables
+            if v.variability == "continuous" and v.causality in ("local", "output")
+        }
+        picked = [n for n in names[1:] if n in known][:100]
+        for kind, offered in (
+            ("ModelExchange", description.modelExchange),
+            ("CoSimulation", description.coSimulation),
+        ):
+            if offered is None:
+                continue
+            exchange = kind == "ModelExchange"
+            result = simulate_fmu(
+                fmu,
+                fmi_type=kind,
+                output=picked,
+                start_time=start,
+                stop_time=stop,
+                output_interval=step,
+                relative_tolerance=0.1 * float(default.tolerance) if exchange else None,
+            )
+            times = result["time"]
+            expect(times[-1] > stop - 1e-6 * (stop - start), f"{model}, {kind}: ends at {times[-1]} s")
+            grid = np.linspace(start, stop, 503)[1:-1] if exchange else times
+            away = [abs(grid - jump) > 1e-8 + 2e-6 * (stop - start) for jump in jumps]
+            kept = np.all(away, axis=0) if away else np.ones(len(grid), bool)
+            worst, of = 0.0, ""
+            for n in picked:
+                expected = rows[:, names.index(n)]
+                size = max(np.ptp(expected), 1e-3 * abs(expected).max(), 1e-9)
+                a = np.interp(grid, t, expected)
+                b = np.interp(grid, times, result[n].astype(float))
+                error = abs(a - b)[kept] / size
+                error = np.percentile(error, 98) if exchange else error.max(initial=0.0)
+                worst, of = max((worst, of), (error, n))
+            expect(worst < (BETWEEN if exchange else AT_POINTS), f"{model}, FMI {version}, {kind}: `{of}` differs by {worst:.1e}")
+            print(f"  {model}, FMI {version}, {kind}: {len(times)} rows, {worst:.1e} at most")
+
+
+def slave(fmu: str, folder: str):
+    """An instance for Co-Simulation in step mode, and the value references of its variables."""
+    description = read_model_description(fmu)
+    identifier = description.coSimulation.modelIdentifier
+    made = FMU3Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName="x")
+    made.instantiate()
+    made.enterInitializationMode(startTime=0, stopTime=0.12)
+    made.exitInitializationMode()
+    return made, {v.name: v.valueReference for v in description.modelVariables}
+
+
+def states_and_threads(mocc: str, folder: Path) -> None:
+    """A saved state goes on as the run without, and eight threads with an instance each agree."""
+    fmu = str(folder / "threads.fmu")
+    run(mocc, "export", "fmu", "examples/valve52.mol", "--fmi", "3", "-o", fmu)
+    unpacked = extract(fmu)
+
+    def steps(instance, first: int, last: int) -> None:
+        for k in range(first, last):
+            instance.doStep(k * 1e-3, 1e-3)
+
+    plain, references = slave(fmu, unpacked)
+    read = [references[n] for n in ("s", "p12")]
+    steps(plain, 0, 30)
+    state = plain.getFMUState()
+    stored = plain.serializeFMUState(state)
+    steps(plain, 30, 60)
+    expected = np.array(plain.getFloat64(read))
+    plain.setFMUState(state)
+    steps(plain, 30, 60)
+    expect(np.allclose(plain.getFloat64(read), expected, rtol=1e-4, atol=1e-8), "a restored state")
+    other, _ = slave(fmu, unpacked)
+    other.setFMUState(other.deserializeFMUState(stored))
+    steps(other, 30, 60)
+    expect(np.allclose(other.getFloat64(read), expected, rtol=1e-4, atol=1e-8), "a serialized state")
+
+    results: list[list[float]] = []
+
+    def work() -> None:
+        instance, _ = slave(fmu, unpacked)
+        steps(instance, 0, 60)
+        results.append(list(instance.getFloat64(read)))
+        instance.terminate()
+
+    threads = [threading.Thread(target=work) for _ in range(8)]
+    [thread.start() for thread in threads]
+    [thread.join() for thread in threads]
+    expect(len(results) == 8 and all(r == results[0] for r in results), f"eight threads: {results}")
+    print("  states and threads")
+
+
+def derivatives(mocc: str, folder: Path) -> None:
+    """Directional derivatives equal differences, and adjoint ones their transpose."""
+    fmu = str(folder / "derivatives.fmu")
+    run(mocc, "export", "fmu", "tests/fmu/models.mo", "--model", "Hybrid.Smooth", "--fmi", "3", "-o", fmu)
+    description = read_model_description(fmu)
+    identifier = description.modelExchange.modelIdentifier
+    model = FMU3Model(guid=description.guid, unzipDirectory=extract(fmu), modelIdentifier=identifier, instanceName="x")
+    model.instantiate()
+    model.enterInitializationMode(startTime=0)
+    model.exitInitializationMode()
+    model.updateDiscreteStates()
+    model.enterContinuousTimeMode()
+    rates = [unknown.variable for unknown in description.derivatives]
+    states, unknowns = [r.derivative.valueReference for r in rates], [r.valueReference for r in rates]
+    n = len(states)
+    x, dx = (ctypes.c_double * n)(), (ctypes.c_double * n)()
+    model.getContinuousStates(x, n)
+    exact = np.array([model.getDirectionalDerivative(unknowns, [s], [1.0]) for s in states]).T
+
+    def rate() -> np.ndarray:
+        model.setContinuousStates(x, n)
+        model.getContinuousStateDerivatives(dx, n)
+        return np.array(dx)
+
+    for k in range(n):
+        at, h = x[k], 1e-6
+        x[k] = at + h
+        above = rate()
+        x[k] = at - h
+        below = rate()
+        x[k] = at
+        difference = (above - below) / (2 * h)
+        expect(np.allclose(exact[:, k], difference, rtol=1e-6, atol=1e-8), f"derivatives by state {k}: {exact[:, k]}, {difference}")
+    rate()
+    seed = np.arange(1.0, n + 1)
+    adjoint = model.getAdjointDerivative(unknowns, states, list(seed), nSensitivity=n)
+    expect(np.allclose(adjoint, exact.T @ seed), f"adjoint derivatives: {adjoint}")
+    print("  derivatives")
+
+
+def main() -> None:
+    mocc = str(Path(sys.argv[1]).resolve())
+    with tempfile.TemporaryDirectory() as folder:
+        for model in sys.argv[2:] or EXAMPLES:
+            compare(mocc, model, Path(folder))
+        if not sys.argv[2:]:
+            states_and_threads(mocc, Path(folder))
+            derivatives(mocc, Path(folder))
+    if failures:
+        raise SystemExit(f"{len(failures)} findings")
+
+
+if __name__ == "__main__":
+    main()
