@@ -8,3 +8,4 @@ pub mod name;
 pub mod render;
 pub mod source;
 pub mod specification;
+pub mod toml_file;

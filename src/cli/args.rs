@@ -31,6 +31,10 @@ pub enum Command {
     Report(Report),
     /// Simulate a model many times with different parameters.
     Sweep(Sweep),
+    /// Run the tests of models: snapshots, traces, events, measures, diagnostics.
+    Test(Test),
+    /// Compare two results within tolerances.
+    Compare(Compare),
     /// Draw tables: results, sweeps and recordings, overlaid and side by side.
     Plot(Plot),
     /// Report all problems of the models in a file, without simulating them.
@@ -54,6 +58,64 @@ pub enum Command {
     Linearize(Linearize),
     /// Print how a model is solved: states, blocks, differentiated equations.
     Structure(Structure),
+}
+
+/// Tests of models.
+#[derive(Args, Debug)]
+pub struct Test {
+    /// Test files, .test.toml, and folders that are searched for them [default: the working directory].
+    #[arg(value_name = "PATH")]
+    pub paths: Vec<PathBuf>,
+    /// Accept what the runs give: show what changes, then write the snapshots.
+    #[arg(long)]
+    pub update: bool,
+    /// Run only tests whose `FILE: NAME` contains this text.
+    #[arg(long, value_name = "TEXT")]
+    pub filter: Option<String>,
+    /// Number of threads [default: all cores].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub jobs: Option<u64>,
+    /// Write the outcomes as JUnit XML.
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Print the outcomes as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Page with the changes, written if there are any.
+    #[arg(long, value_name = "FILE", default_value = "mocc-test.html")]
+    pub review: PathBuf,
+}
+
+/// Two results.
+#[derive(Args, Debug)]
+pub struct Compare {
+    /// Result of a run, in one of the formats of results.
+    #[arg(value_name = "FILE")]
+    pub found: PathBuf,
+    /// Result that it is compared with.
+    #[arg(value_name = "REFERENCE")]
+    pub reference: PathBuf,
+    /// Variables to compare, separated by commas; `*` means any characters [default: those that both have].
+    #[arg(long, value_name = "NAME,...")]
+    pub show: Option<String>,
+    /// A variable that has another name in the reference; repeatable.
+    #[arg(long = "name", value_name = "NAME=OTHER")]
+    pub names: Vec<String>,
+    /// Tolerance relative to the extent of each variable.
+    #[arg(long, value_name = "R", default_value_t = 1e-3, value_parser = tolerance)]
+    pub relative: f64,
+    /// Tolerance that is added to it, in the unit of the variables.
+    #[arg(long, value_name = "A", default_value_t = 0.0, value_parser = tolerance)]
+    pub absolute: f64,
+    /// Time by which changes may come earlier or later, s [default: a 10000th of the reference's].
+    #[arg(long, value_name = "T", value_parser = tolerance)]
+    pub time: Option<f64>,
+    /// Draw the variables that differ most, .svg or .png.
+    #[arg(long, value_name = "PATH")]
+    pub plot: Option<PathBuf>,
+    /// Print the differences as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// The model and its parameter overrides.
@@ -539,6 +601,12 @@ fn at(text: &str) -> Result<At, String> {
     }
     let time = text.trim().parse::<f64>().ok().filter(|t| t.is_finite());
     time.map(At::Time).ok_or_else(|| "write a time in s, or `steady`".to_owned())
+}
+
+/// A number that is not negative.
+fn tolerance(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|t| t.is_finite() && *t >= 0.0);
+    number.ok_or_else(|| "write a number that is not negative".to_owned())
 }
 
 /// A time in s that is not negative.

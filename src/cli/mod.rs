@@ -13,6 +13,7 @@ pub mod args;
 pub mod budget;
 pub mod calibrate;
 pub mod check;
+pub mod compare;
 pub mod diagnose;
 pub mod evaluate;
 pub mod explain;
@@ -29,6 +30,7 @@ pub mod simulate;
 pub mod stream;
 pub mod sweep;
 pub mod terminal;
+pub mod test;
 pub mod writer;
 
 use std::ffi::OsString;
@@ -126,6 +128,8 @@ fn carry_out(command: args::Command) -> Status {
         args::Command::Evaluate(options) => evaluate::run(&options),
         args::Command::Steady(options) => linearize::steady(&options),
         args::Command::Linearize(options) => linearize::run(&options),
+        args::Command::Test(options) => test::run(&options),
+        args::Command::Compare(options) => compare::run(&options),
         args::Command::Plot(options) => plot::run(&options),
         args::Command::Sweep(options) => sweep::run(&options),
         args::Command::Check(options) => check::run(&options),

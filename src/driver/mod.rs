@@ -5,4 +5,5 @@ pub mod compile;
 pub mod files;
 pub mod memory;
 pub mod packed;
+pub mod quantity;
 pub mod replacements;
