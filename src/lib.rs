@@ -83,6 +83,8 @@ pub mod calibrate;
 pub mod diagnose;
 // Tests of a user's own models.
 pub mod regression;
+// Models in an editor: the language server protocol.
+pub mod lsp;
 // All causes of diagnostics.
 pub mod registry;
 // The command line.

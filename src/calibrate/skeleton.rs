@@ -31,7 +31,10 @@ pub fn skeleton(
     let is_experiments = |name: &str| experiments.is_some_and(|(own, _)| own == name);
     let recordings: Vec<&Table> = tables.iter().filter(|(name, _)| !is_experiments(name)).collect();
     let Some((_, first)) = recordings.first() else {
-        return Err("there is no recording in this folder: a table, .csv, with names in its first line".into());
+        return Err(
+            "there is no recording in this folder: a table, .csv, with names in its first line"
+                .into(),
+        );
     };
     let mut out = format!("model = {}\n\n[data]\nfolder = {}\n", quoted(model), quoted(folder));
     let mut used = Vec::new();
@@ -45,7 +48,8 @@ pub fn skeleton(
     }
     let time = time_column(first);
     let (_, unit) = split_unit(&first.names[time]);
-    let unit = unit.filter(|(_, unit)| unit.dimension == Dimension::TIME).map_or("s".into(), |u| u.0);
+    let unit =
+        unit.filter(|(_, unit)| unit.dimension == Dimension::TIME).map_or("s".into(), |u| u.0);
     let _ = write!(
         out,
         "\n[time]\ncolumn = {}\nunit = {}\n\n[signals]\n",
@@ -54,12 +58,15 @@ pub fn skeleton(
     );
     for column in first.names.iter().enumerate().filter(|(k, _)| *k != time).map(|(_, name)| name) {
         let is_signal = |v: &Variable| {
-            v.ty == Type::Real && v.variability == Variability::Continuous && !v.name.starts_with("der(")
+            v.ty == Type::Real
+                && v.variability == Variability::Continuous
+                && !v.name.starts_with("der(")
         };
         match matched(flat, column, is_signal) {
             Some((variable, unit)) => {
                 let (variable, unit) = (quoted(&variable.name), quoted(&unit));
-                let _ = writeln!(out, "{} = {{ variable = {variable}, unit = {unit} }}", key(column));
+                let _ =
+                    writeln!(out, "{} = {{ variable = {variable}, unit = {unit} }}", key(column));
             }
             None => {
                 let _ = writeln!(out, "# {} = {{ variable = \"?\", unit = \"?\" }}", key(column));
@@ -103,10 +110,15 @@ fn conditions(
             Some((parameter, unit)) => {
                 used.push(parameter.name.clone());
                 let (parameter, unit) = (quoted(&parameter.name), quoted(&unit));
-                let _ = writeln!(lines, "{} = {{ parameter = {parameter}, unit = {unit} }}", key(column));
+                let _ = writeln!(
+                    lines,
+                    "{} = {{ parameter = {parameter}, unit = {unit} }}",
+                    key(column)
+                );
             }
             None => {
-                let _ = writeln!(lines, "# {} = {{ parameter = \"?\", unit = \"?\" }}", key(column));
+                let _ =
+                    writeln!(lines, "# {} = {{ parameter = \"?\", unit = \"?\" }}", key(column));
             }
         }
     }
@@ -204,7 +216,7 @@ fn is_parameter(v: &Variable) -> bool {
 /// The value of a parameter, if it is a number other than 0.
 fn value(flat: &FlatModel, variable: &Variable) -> Option<f64> {
     match flat.graph.as_const(variable.binding?)? {
-        Const::Real(x) if x != 0.0 && x.is_finite() => Some(x),
+        Const::Real(bits) => Some(f64::from_bits(bits)).filter(|x| *x != 0.0 && x.is_finite()),
         _ => None,
     }
 }

@@ -29,11 +29,8 @@ fn carry_out(options: &Compare) -> Result<Status, String> {
         let pair = text.split_once('=').ok_or_else(|| format!("`{text}`: write NAME=OTHER"))?;
         names.push((pair.0.trim().to_owned(), pair.1.trim().to_owned()));
     }
-    let tolerance = Tolerance {
-        relative: options.relative,
-        absolute: options.absolute,
-        time: options.time,
-    };
+    let tolerance =
+        Tolerance { relative: options.relative, absolute: options.absolute, time: options.time };
     let mut traces = Traces {
         variables: options.show.as_deref().map(running::names_in).unwrap_or_default(),
         tolerance,
@@ -60,7 +57,8 @@ fn carry_out(options: &Compare) -> Result<Status, String> {
         json(&found, columns.len(), &run).pretty()
     } else {
         let mut text: String = found.messages.iter().map(|m| format!("{m}\n")).collect();
-        text += &format!("{} variables compared, {} differ\n", columns.len(), found.departures.len());
+        text +=
+            &format!("{} variables compared, {} differ\n", columns.len(), found.departures.len());
         text
     };
     match print(&text) {

@@ -63,7 +63,9 @@ fn unknown(request: &Request, name: &str) -> String {
     let package = name.rsplit_once('.').map_or("", |(package, _)| package);
     let known = list(request, package).or_else(|| list(request, "")).unwrap_or_default();
     let near = did_you_mean(name, known.iter().map(|c| c.name.as_str()));
-    let help = near.map_or("`mocc lib list` lists the packages".to_owned(), |n| format!("did you mean `{n}`?"));
+    let help = near.map_or("`mocc lib list` lists the packages".to_owned(), |n| {
+        format!("did you mean `{n}`?")
+    });
     format!("there is no class `{name}`\nhelp: {help}")
 }
 

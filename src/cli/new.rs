@@ -47,7 +47,10 @@ fn create(options: &New) -> Result<String, String> {
         written.push(path);
     }
     let list: String = written.iter().map(|path| format!("  {}\n", path.display())).collect();
-    Ok(format!("wrote\n{list}Next: `cd {}`, then `mocc simulate {stem}.mol` and `mocc test`.\n", folder.display()))
+    Ok(format!(
+        "wrote\n{list}Next: `cd {}`, then `mocc simulate {stem}.mol` and `mocc test`.\n",
+        folder.display()
+    ))
 }
 
 /// `ServoValve` for `servo_valve`.

@@ -62,11 +62,14 @@ fn carry_out(options: &Options) -> Result<Status, String> {
         .iter()
         .zip(&outcomes)
         .flat_map(|(test, outcome)| outcome.findings.iter().map(move |f| (*test, f)))
-        .filter(|(_, f)| f.picture.is_some() || f.snapshot.as_ref().is_some_and(|s| s.before.is_some()))
+        .filter(|(_, f)| {
+            f.picture.is_some() || f.snapshot.as_ref().is_some_and(|s| s.before.is_some())
+        })
         .collect();
     let is_reviewed = !changed.is_empty();
     if is_reviewed {
-        write_file(&options.review, review::page(&changed).as_bytes()).map_err(|e| e.to_string())?;
+        write_file(&options.review, review::page(&changed).as_bytes())
+            .map_err(|e| e.to_string())?;
     }
     let mut updated = Vec::new();
     if options.update {

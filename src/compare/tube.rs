@@ -40,7 +40,11 @@ pub struct Curve<'a> {
 
 /// The worst departure of a run from a reference; none if it stays within the tube. Compares the time that both have in
 /// common.
-pub fn deviation(found: Curve<'_>, reference: Curve<'_>, tolerance: &Tolerance) -> Option<Deviation> {
+pub fn deviation(
+    found: Curve<'_>,
+    reference: Curve<'_>,
+    tolerance: &Tolerance,
+) -> Option<Deviation> {
     let allowed = tolerance.width(reference.values);
     let shift = tolerance.shift(reference.time);
     let mut worst: Option<Deviation> = None;

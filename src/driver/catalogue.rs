@@ -158,7 +158,10 @@ fn class(folder: &dyn Folder, full: &str) -> Option<(Arc<Class>, Shown)> {
     (1..=parts.len()).rev().find_map(|k| {
         let stem: PathBuf = parts[..k].iter().collect();
         let files = [stem.join("package.mo"), stem.with_extension("mo")];
-        let (path, text) = files.into_iter().find_map(|p| Some((folder.read(&p)?.ok()?, p))).map(|(t, p)| (p, t))?;
+        let (path, text) = files
+            .into_iter()
+            .find_map(|p| Some((folder.read(&p)?.ok()?, p)))
+            .map(|(t, p)| (p, t))?;
         let (mut sources, mut problems) = (SourceMap::default(), Problems::new());
         let id = sources.add(&path, text.as_str());
         let file = parse(id, &text, &mut problems);

@@ -422,14 +422,20 @@ impl Session {
     /// Refuses values whose units measure something else than their parameters.
     fn compare_quantities(&mut self, flat: &FlatModel, quantities: &[quantity::Given]) {
         for given in quantities {
-            let Some(variable) = flat.variables.iter().find(|v| v.name == given.name) else { continue };
+            let Some(variable) = flat.variables.iter().find(|v| v.name == given.name) else {
+                continue;
+            };
             let declared = quantity::scale_of(&variable.unit);
             if declared.is_none_or(|(scale, dimension)| {
                 dimension != given.dimension || (scale.factor - 1.0).abs() > 1e-12
             }) {
                 let cause = quantity::QuantityCause::WrongUnit {
                     name: given.name.clone(),
-                    declared: if variable.unit.is_empty() { "1".into() } else { variable.unit.to_string() },
+                    declared: if variable.unit.is_empty() {
+                        "1".into()
+                    } else {
+                        variable.unit.to_string()
+                    },
                     unit: given.unit.clone(),
                 };
                 self.problems.push(Diagnostic::new(cause, variable.span));
@@ -467,6 +473,11 @@ impl Session {
             return Err(CompileError::Request);
         }
         let Some(path) = &request.file else { return Ok(None) };
+        let path = if request.text.is_some() && path == Path::new("-") {
+            Path::new("stdin.mo")
+        } else {
+            path
+        };
         let text = match request.text.clone().map_or_else(|| super::files::read(path), Ok) {
             Ok(text) => text,
             Err(why) => {

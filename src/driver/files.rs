@@ -204,7 +204,8 @@ pub fn top_level(folder: &Path) -> Result<Vec<String>, String> {
 
 /// The tables, .csv, in a folder, sorted by name. The error is a message.
 pub fn tables(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let list = std::fs::read_dir(folder).map_err(|e| format!("cannot read {}: {e}", folder.display()))?;
+    let list =
+        std::fs::read_dir(folder).map_err(|e| format!("cannot read {}: {e}", folder.display()))?;
     let mut all: Vec<PathBuf> = list.flatten().map(|entry| entry.path()).collect();
     all.retain(|path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")));
     all.sort();

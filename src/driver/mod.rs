@@ -4,6 +4,7 @@ pub mod cause;
 pub mod check;
 pub mod compile;
 pub mod files;
+pub mod lookup;
 pub mod memory;
 pub mod packed;
 pub mod project;

@@ -17,10 +17,6 @@ pub struct Project {
     pub libraries: Vec<PathBuf>,
     /// Folders whose data files models may read.
     pub allow_read: Vec<PathBuf>,
-    /// Relative tolerance of runs, where neither the command nor the model gives one.
-    pub tolerance: Option<f64>,
-    /// Time between rows, s, where neither the command nor the model gives one.
-    pub interval: Option<f64>,
 }
 
 /// The settings that hold for a file, or for the working directory. Errors are added to `problems`.
@@ -29,15 +25,13 @@ pub fn of(file: Option<&Path>, sources: &mut SourceMap, problems: &mut Problems)
     let Ok(text) = read(&path) else { return Project::default() };
     let base = path.parent().unwrap_or(Path::new("")).to_owned();
     let found = read_toml(&path, &text, sources, problems, |r, root| {
-        r.known(&root, &["libraries", "allow_read", "tolerance", "interval"]);
+        r.known(&root, &["libraries", "allow_read"]);
         let folders = |names: Option<Vec<String>>| {
             names.unwrap_or_default().into_iter().map(|name| base.join(name)).collect()
         };
         Project {
             libraries: folders(r.texts(&root, "libraries")),
             allow_read: folders(r.texts(&root, "allow_read")),
-            tolerance: r.size(&root, "tolerance"),
-            interval: r.size(&root, "interval"),
         }
     });
     found.unwrap_or_default()

@@ -73,7 +73,8 @@ impl Format {
 
     /// The variables of a result file whose names `wanted` accepts. Errors: a message that names the file.
     pub fn read(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Trajectory, String> {
-        let refused = |_| format!("results can be read from {}, not from `{}`", extensions(), path.display());
+        let refused =
+            |_| format!("results can be read from {}, not from `{}`", extensions(), path.display());
         (Format::of(path).map_err(refused)?.read)(path, wanted)
     }
 

@@ -107,7 +107,8 @@ fn matrices(bytes: &[u8]) -> Result<Vec<Matrix>, String> {
         }
         let name = rest.get(20..20 + length).ok_or_else(broken)?;
         let name = String::from_utf8_lossy(name).trim_end_matches('\0').to_owned();
-        let count = rows.checked_mul(columns).and_then(|n| n.checked_mul(size)).ok_or_else(broken)?;
+        let count =
+            rows.checked_mul(columns).and_then(|n| n.checked_mul(size)).ok_or_else(broken)?;
         let end = (20 + length).checked_add(count).ok_or_else(broken)?;
         let data = rest.get(20 + length..end).ok_or_else(broken)?;
         let number = |b: &[u8]| match (kind % 100 / 10, b) {

@@ -20,9 +20,12 @@ pub fn page(all: &[(&Test, &Finding)]) -> String {
 }
 
 fn markup(finding: &Finding) -> String {
-    let mut out = format!("<pre>{}</pre>\n", escaped(&finding.message));
+    let line = |line: &str| format!("<p>{}</p>\n", escaped(line));
+    let mut out: String = finding.message.lines().map(line).collect();
     if let Some(Ok(picture)) = finding.picture.as_ref().map(svg) {
-        out += &format!("<figure>{picture}</figure>\n");
+        // As wide as the page at most.
+        let fluid = "<svg style=\"max-width: 100%; height: auto\" ";
+        out += &format!("<figure>{}</figure>\n", picture.replacen("<svg ", fluid, 1));
     }
     if let Some(snapshot) = &finding.snapshot {
         // The numbers of traces say less than their picture.

@@ -15,6 +15,7 @@ use crate::compare::events::{Listed, changes};
 use crate::compare::thin::thinned;
 use crate::compare::tolerance::Tolerance;
 use crate::driver::compile::{Request, Session};
+use crate::driver::project;
 use crate::io::csv::text_of;
 use crate::io::format::Format;
 use crate::ir::flat::Experiment;
@@ -57,14 +58,16 @@ impl Finding {
 pub fn run(test: &Test, modelica_path: Option<OsString>) -> Outcome {
     let begun = Instant::now();
     let mut findings = Vec::new();
+    let mut session = Session::default();
+    let project = project::of(test.model.as_deref(), &mut session.sources, &mut session.problems);
     let request = Request {
-        folders: test.libraries.clone(),
+        folders: test.libraries.iter().chain(&project.libraries).cloned().collect(),
+        readable: project.allow_read,
         modelica_path,
         settings: test.settings.clone(),
         check_units: test.expected.diagnostics.is_some(),
         ..Request::new(test.model.clone(), test.model_name.clone())
     };
-    let mut session = Session::default();
     let trajectory = simulated(test, &request, &mut session);
     diagnostics(test, &session, trajectory.is_some(), &mut findings);
     if let Some(trajectory) = trajectory {
@@ -269,16 +272,21 @@ fn trace(test: &Test, traces: &Traces, run: &Trajectory) -> Option<Finding> {
     let mut found = compare(run, &columns, &reference, &traces.names);
     if is_snapshot {
         // A variable that is no longer recorded, or no longer asked for.
-        for gone in reference.columns.iter().filter(|c| {
-            !columns.iter().any(|(k, _)| run.columns[*k].name == c.name)
-        }) {
-            found.messages.push(format!("`{}` of the snapshot is not compared any more", gone.name));
+        for gone in reference
+            .columns
+            .iter()
+            .filter(|c| !columns.iter().any(|(k, _)| run.columns[*k].name == c.name))
+        {
+            found
+                .messages
+                .push(format!("`{}` of the snapshot is not compared any more", gone.name));
         }
     }
     if found.messages.is_empty() {
         return None;
     }
-    let picture = (!found.departures.is_empty()).then(|| picture(&test.name, run, &reference, &found));
+    let picture =
+        (!found.departures.is_empty()).then(|| picture(&test.name, run, &reference, &found));
     let before = files::text(&path).ok().flatten().filter(|_| is_snapshot);
     let snapshot = is_snapshot.then_some(Snapshot { path, before, after });
     Some(Finding { snapshot, picture, ..Finding::new(key, found.messages.join("\n")) })

@@ -70,7 +70,9 @@ pub fn parsed(text: &str) -> Result<Vec<Listed>, String> {
         Some((time.trim().parse().ok()?, what.to_owned()))
     };
     let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    lines.map(|(k, line)| read(line).ok_or_else(|| format!("line {} is not an event", k + 1))).collect()
+    lines
+        .map(|(k, line)| read(line).ok_or_else(|| format!("line {} is not an event", k + 1)))
+        .collect()
 }
 
 #[cfg(test)]

@@ -52,7 +52,8 @@ pub fn junit(done: &[Done<'_>]) -> String {
         for (test, outcome) in suite {
             let (class, name) = (escaped(&class), escaped(&test.name));
             let time = outcome.elapsed.as_secs_f64();
-            let _ = write!(out, "  <testcase classname=\"{class}\" name=\"{name}\" time=\"{time:.3}\"");
+            let _ =
+                write!(out, "  <testcase classname=\"{class}\" name=\"{name}\" time=\"{time:.3}\"");
             out += if outcome.findings.is_empty() { "/>\n" } else { ">\n" };
             for Finding { expectation, message, .. } in &outcome.findings {
                 let first = escaped(message.lines().next().unwrap_or_default());

@@ -162,7 +162,10 @@ fn tests(r: &mut Reader<'_>, root: &Section<'_>, path: &Path) -> Vec<Test> {
         for run in varied(r, &section, test) {
             if !names.insert(file_name(&run.name)) {
                 let place = r.place_of(&section);
-                r.report(Diagnostic::new(TestCause::DuplicateTest { name: run.name.clone() }, place));
+                r.report(Diagnostic::new(
+                    TestCause::DuplicateTest { name: run.name.clone() },
+                    place,
+                ));
             }
             out.push(run);
         }
@@ -173,7 +176,8 @@ fn tests(r: &mut Reader<'_>, root: &Section<'_>, path: &Path) -> Vec<Test> {
 /// The file of the same name as that of the tests.
 fn own_file(r: &mut Reader<'_>, section: &Section<'_>, path: &Path) -> Option<PathBuf> {
     let stem = files::stem(path);
-    let candidates = ["mol", "mo"].map(|extension| path.with_file_name(format!("{stem}.{extension}")));
+    let candidates =
+        ["mol", "mo"].map(|extension| path.with_file_name(format!("{stem}.{extension}")));
     let found = candidates.iter().find(|file| files::exists(file)).cloned();
     if found.is_none() {
         let wanted = candidates.map(|file| format!("`{}`", file.display())).join(" nor ");
@@ -201,7 +205,8 @@ fn varied(r: &mut Reader<'_>, section: &Section<'_>, test: Test) -> Vec<Test> {
     let Some(vary) = r.section(section, "vary") else { return vec![test] };
     let mut runs = vec![(Vec::new(), test)];
     for (name, item) in vary.entries() {
-        let values = item.list().and_then(|list| list.iter().map(Item::written).collect::<Option<Vec<_>>>());
+        let values =
+            item.list().and_then(|list| list.iter().map(Item::written).collect::<Option<Vec<_>>>());
         let Some(values) = values.filter(|values| !values.is_empty()) else {
             r.wrong(&name, item, "a list of values");
             continue;
@@ -269,10 +274,7 @@ fn expected(
 }
 
 fn traces(r: &mut Reader<'_>, section: &Section<'_>, general: Tolerance, base: &Path) -> Traces {
-    r.known(
-        section,
-        &["variables", "relative", "absolute", "time", "each", "reference", "names"],
-    );
+    r.known(section, &["variables", "relative", "absolute", "time", "each", "reference", "names"]);
     let general = tolerance(r, section, general);
     let mut each = Vec::new();
     if let Some(all) = r.section(section, "each") {

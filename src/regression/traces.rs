@@ -27,7 +27,8 @@ pub fn selected(traces: &Traces, columns: &[Column]) -> Result<Vec<(usize, Toler
     if traces.variables.is_empty() {
         chosen.extend(own(columns));
     }
-    if let Some((name, _)) = traces.each.iter().find(|(name, _)| position(columns, name).is_none()) {
+    if let Some((name, _)) = traces.each.iter().find(|(name, _)| position(columns, name).is_none())
+    {
         return Err(format!("the run has no variable `{name}`"));
     }
     chosen.sort_unstable();
@@ -42,7 +43,8 @@ pub fn selected(traces: &Traces, columns: &[Column]) -> Result<Vec<(usize, Toler
 /// The variables of the model itself; of a model that has none, all continuous ones that are not derivatives.
 fn own(columns: &[Column]) -> Vec<usize> {
     let of = |accepts: &dyn Fn(&Column) -> bool| {
-        let all = columns.iter().enumerate().filter(|(_, c)| accepts(c) && !c.name.starts_with("der("));
+        let all =
+            columns.iter().enumerate().filter(|(_, c)| accepts(c) && !c.name.starts_with("der("));
         all.map(|(k, _)| k).collect::<Vec<_>>()
     };
     let top = of(&|c| !c.name.contains('.'));
@@ -91,7 +93,9 @@ pub fn compare(
     if let (Some(end), Some(of_reference)) = (run.time.last(), reference.time.last()) {
         let shift = columns.iter().map(|(_, t)| t.shift(&reference.time)).fold(0.0, f64::max);
         if (end - of_reference).abs() > shift.max(1e-9 * of_reference.abs()) {
-            found.messages.push(format!("the run ends at {end} s, the reference at {of_reference} s"));
+            found
+                .messages
+                .push(format!("the run ends at {end} s, the reference at {of_reference} s"));
         }
     }
     for (column, tolerance) in columns {
@@ -108,7 +112,8 @@ pub fn compare(
             found.departures.push(Departure { column: *column, of_reference, deviation });
         }
     }
-    let size = |d: &Departure| (d.deviation.found - d.deviation.expected).abs() / d.deviation.allowed;
+    let size =
+        |d: &Departure| (d.deviation.found - d.deviation.expected).abs() / d.deviation.allowed;
     found.departures.sort_by(|a, b| size(b).total_cmp(&size(a)));
     found
 }
@@ -131,17 +136,30 @@ fn message(name: &str, unit: &str, d: &Deviation) -> String {
 /// Seven significant digits.
 fn digits(value: f64) -> String {
     let near: f64 = format!("{value:.6e}").parse().unwrap_or(value);
-    if near != 0.0 && !(1e-4..1e7).contains(&near.abs()) { format!("{near:e}") } else { near.to_string() }
+    if near != 0.0 && !(1e-4..1e7).contains(&near.abs()) {
+        format!("{near:e}")
+    } else {
+        near.to_string()
+    }
 }
 
 /// Two significant digits.
 fn short(value: f64) -> String {
     let near: f64 = format!("{value:.1e}").parse().unwrap_or(value);
-    if near != 0.0 && !(1e-3..1e7).contains(&near.abs()) { format!("{near:e}") } else { near.to_string() }
+    if near != 0.0 && !(1e-3..1e7).contains(&near.abs()) {
+        format!("{near:e}")
+    } else {
+        near.to_string()
+    }
 }
 
 /// A picture of the variables that depart most, before and now.
-pub fn picture(title: &str, run: &Trajectory, reference: &Trajectory, found: &Differences) -> Chart {
+pub fn picture(
+    title: &str,
+    run: &Trajectory,
+    reference: &Trajectory,
+    found: &Differences,
+) -> Chart {
     let shown = &found.departures[..found.departures.len().min(MAX_PANELS)];
     let panel = |d: &Departure| {
         let Column { name, unit, .. } = &run.columns[d.column];
@@ -155,8 +173,7 @@ pub fn picture(title: &str, run: &Trajectory, reference: &Trajectory, found: &Di
         x: reference.time.clone(),
         y: of(reference, &|d| d.of_reference),
     };
-    let now =
-        Series { label: "this run".into(), x: run.time.clone(), y: of(run, &|d| d.column) };
+    let now = Series { label: "this run".into(), x: run.time.clone(), y: of(run, &|d| d.column) };
     Chart {
         title: title.to_owned(),
         groups: vec![Group { heading: String::new(), series: vec![before, now] }],

@@ -58,6 +58,7 @@ const GROUPS: &[(&str, &[&str])] = &[
     ("Run time", &["09"]),
     ("Plans and recordings", &["10"]),
     ("Measures", &["11"]),
+    ("Tests and projects", &["14"]),
 ];
 
 // ---- The examples ----

@@ -90,7 +90,12 @@ fn edits<'a>(before: &'a str, after: &'a str) -> Vec<Edit<'a>> {
         let removed = rest_a.iter().map(|l| Edit::Removed(l));
         let added = rest_b.iter().map(|l| Edit::Added(l));
         let around = |lines: &[&'a str]| lines.iter().map(|l| Edit::Same(l)).collect::<Vec<_>>();
-        return around(&a[..head]).into_iter().chain(removed).chain(added).chain(around(same)).collect();
+        return around(&a[..head])
+            .into_iter()
+            .chain(removed)
+            .chain(added)
+            .chain(around(same))
+            .collect();
     }
     let mut longest = vec![0u32; (rest_a.len() + 1) * width];
     for i in (0..rest_a.len()).rev() {
