@@ -66,6 +66,8 @@ pub mod integrate;
 pub mod simulate;
 // Plots, diagrams and pages.
 pub mod report;
+// Two runs compared within tolerances.
+pub mod compare;
 
 // ---- The program ----
 
@@ -81,6 +83,10 @@ pub mod sweep;
 pub mod calibrate;
 // The effect that a model lacks, from recordings.
 pub mod diagnose;
+// Tests of a user's own models.
+pub mod regression;
+// Models in an editor: the language server protocol.
+pub mod lsp;
 // All causes of diagnostics.
 pub mod registry;
 // The command line.

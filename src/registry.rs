@@ -4,12 +4,14 @@
 //! order of their codes.
 
 use crate::base::cause::Entry;
+use crate::base::toml_file::TomlCause;
 use crate::calibrate::cause::{PlanCause, RecordingCause};
 use crate::classes::cause::ClassCause;
 use crate::classes::unsupported::LanguageCause;
 use crate::codegen::error::CodegenCause;
 use crate::diagnose::cause::CatalogueCause;
 use crate::driver::cause::RequestCause;
+use crate::driver::quantity::QuantityCause;
 use crate::evaluate::cause::array::ArrayCause;
 use crate::evaluate::cause::builtin::BuiltinCause;
 use crate::evaluate::cause::call::CallCause;
@@ -23,6 +25,7 @@ use crate::instantiate::cause::InstantiateCause;
 use crate::lower::error::LoweringCause;
 use crate::measure::error::MeasureCause;
 use crate::parse::error::SyntaxCause;
+use crate::regression::cause::TestCause;
 use crate::resolve::cause::LibraryCause;
 use crate::rules::cause::element::ElementCause;
 use crate::rules::cause::specialized_class::SpecializedClassCause;
@@ -59,6 +62,9 @@ const STAGES: &[&[Entry]] = &[
     CatalogueCause::ENTRIES,
     MeasureCause::ENTRIES,
     FmuCause::ENTRIES,
+    TomlCause::ENTRIES,
+    TestCause::ENTRIES,
+    QuantityCause::ENTRIES,
 ];
 
 /// All causes, by code.

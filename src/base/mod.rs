@@ -9,3 +9,4 @@ pub mod render;
 pub mod source;
 pub mod specification;
 pub mod wire;
+pub mod toml_file;

@@ -29,6 +29,7 @@ pub mod residual_vector;
 pub mod result;
 pub mod rows;
 pub mod run;
+pub mod skeleton;
 pub mod statistics;
 pub mod sums;
 pub mod table;

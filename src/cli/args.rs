@@ -1,13 +1,14 @@
-//! Arguments, help and usage errors. Sole user of `clap` and `regex-lite`.
+//! Arguments, help and usage errors, completions and man pages. Sole user of `clap` and its companions, and of
+//! `regex-lite`.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValue;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use regex_lite::Regex;
 
-use super::{Status, modelica_path};
+use super::{Status, modelica_path, project, standard_input};
 use crate::base::diag::Severity;
 use crate::driver::compile::Request;
 use crate::io::format::extensions;
@@ -31,6 +32,22 @@ pub enum Command {
     Report(Report),
     /// Simulate a model many times with different parameters.
     Sweep(Sweep),
+    /// Run the tests of models: snapshots, traces, events, measures, diagnostics.
+    Test(Test),
+    /// Compare two results within tolerances.
+    Compare(Compare),
+    /// Start a project: a model, its tests, a plan with recordings.
+    New(New),
+    /// Write a plan for a model and a folder of recordings, guessed from the names of columns.
+    Plan(PlanSkeleton),
+    /// List, read or copy the classes of libraries.
+    Lib(Library),
+    /// Serve editors: the language server protocol on standard input and output.
+    Lsp,
+    /// Print the completions of a shell.
+    Completions(Completions),
+    /// Write man pages.
+    Man(Man),
     /// Draw tables: results, sweeps and recordings, overlaid and side by side.
     Plot(Plot),
     /// Report all problems of the models in a file, without simulating them.
@@ -56,6 +73,161 @@ pub enum Command {
     Export(Export),
     /// Print how a model is solved: states, blocks, differentiated equations.
     Structure(Structure),
+}
+
+/// Tests of models.
+#[derive(Args, Debug)]
+pub struct Test {
+    /// Test files, .test.toml, and folders that are searched for them [default: the working directory].
+    #[arg(value_name = "PATH")]
+    pub paths: Vec<PathBuf>,
+    /// Accept what the runs give: show what changes, then write the snapshots.
+    #[arg(long)]
+    pub update: bool,
+    /// Run only tests whose `FILE: NAME` contains this text.
+    #[arg(long, value_name = "TEXT")]
+    pub filter: Option<String>,
+    /// Number of threads [default: all cores].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub jobs: Option<u64>,
+    /// Write the outcomes as JUnit XML.
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Print the outcomes as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Page with the changes, .html, written if there are any.
+    #[arg(long, value_name = "FILE", default_value = "mocc-test.html", value_parser = page)]
+    pub review: PathBuf,
+}
+
+/// A project.
+#[derive(Args, Debug)]
+pub struct New {
+    /// Folder of the project; its name becomes that of the model.
+    #[arg(value_name = "NAME")]
+    pub name: PathBuf,
+    /// What the model is of.
+    #[arg(long, value_name = "KIND", value_enum, default_value_t = Template::Valve)]
+    pub template: Template,
+}
+
+/// A project to start from.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Template {
+    /// A magnet, a spool with seals, and air.
+    Valve,
+    /// A DC motor with its load.
+    Motor,
+    /// A heated body in a room.
+    Thermal,
+}
+
+impl Template {
+    /// The name of its folder.
+    pub fn name(self) -> &'static str {
+        match self {
+            Template::Valve => "valve",
+            Template::Motor => "motor",
+            Template::Thermal => "thermal",
+        }
+    }
+}
+
+/// A plan to be completed.
+#[derive(Args, Debug)]
+pub struct PlanSkeleton {
+    /// The model.
+    #[command(flatten)]
+    pub model: Model,
+    /// Folder with recordings, .csv, and perhaps a table of them.
+    #[arg(value_name = "DATA", required = true)]
+    pub data: PathBuf,
+    /// The plan, .toml [default: standard output].
+    #[arg(long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Libraries.
+#[derive(Args, Debug)]
+pub struct Library {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: LibraryCommand,
+    /// Folder with libraries, in addition to MODELICAPATH and the shipped library; repeatable.
+    #[arg(long = "lib", value_name = "DIR", global = true)]
+    pub folders: Vec<PathBuf>,
+}
+
+/// A look at libraries.
+#[derive(Subcommand, Debug)]
+pub enum LibraryCommand {
+    /// List the packages, or the classes of a package, with their descriptions.
+    List {
+        /// Full name of a package.
+        #[arg(value_name = "PACKAGE")]
+        package: Option<String>,
+    },
+    /// Print the source of a class.
+    Show {
+        /// Full name of the class, such as Seals.FlowSeal.
+        #[arg(value_name = "CLASS")]
+        class: String,
+    },
+    /// Write the sources of the shipped library to a folder.
+    Copy {
+        /// The folder.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
+}
+
+/// Completions of a shell.
+#[derive(Args, Debug)]
+pub struct Completions {
+    /// The shell.
+    #[arg(value_name = "SHELL", value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+/// Man pages.
+#[derive(Args, Debug)]
+pub struct Man {
+    /// Folder for the pages: mocc.1 and one for each command.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+}
+
+/// Two results.
+#[derive(Args, Debug)]
+pub struct Compare {
+    /// Result of a run, in one of the formats of results.
+    #[arg(value_name = "FILE")]
+    pub found: PathBuf,
+    /// Result that it is compared with.
+    #[arg(value_name = "REFERENCE")]
+    pub reference: PathBuf,
+    /// Variables to compare, separated by commas; `*` means any characters [default: those that both have].
+    #[arg(long, value_name = "NAME,...")]
+    pub show: Option<String>,
+    /// A variable that has another name in the reference; repeatable.
+    #[arg(long = "name", value_name = "NAME=OTHER")]
+    pub names: Vec<String>,
+    /// Tolerance relative to the extent of each variable.
+    #[arg(long, value_name = "R", default_value_t = 1e-3, value_parser = tolerance)]
+    pub relative: f64,
+    /// Tolerance that is added to it, in the unit of the variables.
+    #[arg(long, value_name = "A", default_value_t = 0.0, value_parser = tolerance)]
+    pub absolute: f64,
+    /// Time by which changes may come earlier or later, s [default: a 10000th of the reference's].
+    #[arg(long, value_name = "T", value_parser = tolerance)]
+    pub time: Option<f64>,
+    /// Draw the variables that differ most, .svg or .png.
+    #[arg(long, value_name = "PATH", value_parser = picture)]
+    pub plot: Option<PathBuf>,
+    /// Print the differences as JSON on standard output.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// The model and its parameter overrides.
@@ -199,7 +371,7 @@ pub struct Structure {
     #[command(flatten)]
     pub model: Model,
     /// Draw the incidence matrix in block lower triangular order instead, .svg or .png.
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, value_name = "PATH", value_parser = picture)]
     pub svg: Option<PathBuf>,
     /// Write the blocks and their dependencies as a Graphviz graph instead.
     #[arg(long, value_name = "PATH")]
@@ -269,8 +441,14 @@ pub struct Simulate {
     /// Result file, in one of the formats of `io::format`.
     #[arg(long, value_name = "PATH", help = output_help())]
     pub output: Option<PathBuf>,
+    /// Format of the results, if --output is - for the standard output.
+    #[arg(long, value_name = "FORMAT", default_value = "csv")]
+    pub format: String,
+    /// Write a variable in another unit, such as p2=bar; repeatable [default: SI units].
+    #[arg(long = "unit", value_name = "NAME=UNIT", value_parser = unit_of)]
+    pub units: Vec<(String, String)>,
     /// Picture, .svg or .png [default: FILE with .svg; none if only --output is given].
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, value_name = "PATH", value_parser = picture)]
     pub plot: Option<PathBuf>,
     /// Variables to draw, separated by commas.
     #[arg(long, value_name = "NAME,...")]
@@ -284,6 +462,15 @@ pub struct Simulate {
     /// Print a number computed from the run, such as "t = when(s > 0.95*s_max)"; repeatable.
     #[arg(long = "measure", value_name = "NAME=EXPRESSION")]
     pub measures: Vec<String>,
+    /// Print a summary with measures, events and statistics as JSON on standard output.
+    #[arg(long, conflicts_with_all = ["quiet", "events"])]
+    pub json: bool,
+    /// Print measures and events only, no summary.
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Print how long each stage of the compiler took, too.
+    #[arg(long, short, conflicts_with = "quiet")]
+    pub verbose: bool,
     /// Limits.
     #[command(flatten)]
     pub limits: Limits,
@@ -325,10 +512,10 @@ pub struct Report {
     #[command(flatten)]
     pub running: Running,
     /// The page, .html [default: FILE with _report.html; none if only --diagram is given].
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, value_name = "PATH", value_parser = page)]
     pub output: Option<PathBuf>,
     /// Draw the components and their connections, .svg or .png.
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, value_name = "PATH", value_parser = picture)]
     pub diagram: Option<PathBuf>,
     /// Add a run with other parameters, "LABEL: NAME=VALUE, ..."; repeatable.
     #[arg(long = "run", value_name = "RUN")]
@@ -354,11 +541,12 @@ pub struct Plot {
     /// Second group of tables, drawn next to the first on the same axes.
     #[arg(long, value_name = "FILE[=LABEL]", num_args = 1..)]
     pub beside: Vec<String>,
-    /// Horizontal axis: a label and a formula over columns; mocc uses the first formula whose columns exist.
+    /// Horizontal axis: a column, or a label and a formula over columns; mocc uses the first formula whose columns exist
+    /// [default: the first column].
     #[arg(long, value_name = "LABEL: FORMULA[|...]", allow_hyphen_values = true)]
-    pub x: String,
-    /// Vertical axis of a panel: its label and formula; repeat for more panels.
-    #[arg(long, value_name = "LABEL: FORMULA[|...]", allow_hyphen_values = true, required = true)]
+    pub x: Option<String>,
+    /// Vertical axis of a panel: a column, or its label and formula; repeat for more panels [default: the first columns].
+    #[arg(long, value_name = "LABEL: FORMULA[|...]", allow_hyphen_values = true)]
     pub y: Vec<String>,
     /// Draw only this part of the horizontal axis.
     #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true, value_parser = ends)]
@@ -372,9 +560,9 @@ pub struct Plot {
     /// Heading of the first group of tables; repeat for the second.
     #[arg(long = "heading", value_name = "TEXT")]
     pub headings: Vec<String>,
-    /// Picture, .svg or .png.
-    #[arg(long, value_name = "PATH")]
-    pub output: PathBuf,
+    /// Picture, .svg or .png [default: the first FILE with .svg].
+    #[arg(long, value_name = "PATH", value_parser = picture)]
+    pub output: Option<PathBuf>,
 }
 
 /// Many runs.
@@ -547,8 +735,9 @@ pub struct Evaluate {
 impl Model {
     /// The request to the compiler.
     pub fn request(&self) -> Request {
-        let (settings, readable) = (self.settings.clone(), self.allow_read.clone());
-        Request { settings, readable, ..request(&self.file, &self.model, &self.folders) }
+        let settings = self.settings.clone();
+        let request = request(&self.file, &self.model, &self.folders, &self.allow_read);
+        Request { settings, ..request }
     }
 }
 
@@ -563,17 +752,94 @@ impl Check {
 
     /// The request to the compiler.
     pub fn request(&self) -> Request {
-        let readable = self.allow_read.clone();
-        Request { readable, ..request(&self.file, &self.model, &self.folders) }
+        request(&self.file, &self.model, &self.folders, &self.allow_read)
     }
 }
 
-fn request(file: &Option<PathBuf>, model: &Option<String>, folders: &[PathBuf]) -> Request {
+/// A request with the settings of the project. The file `-` is the standard input.
+fn request(
+    file: &Option<PathBuf>,
+    model: &Option<String>,
+    folders: &[PathBuf],
+    readable: &[PathBuf],
+) -> Request {
+    let project = project(file.as_deref());
+    let text = file.as_deref().filter(|file| is_standard(file)).map(|_| standard_input());
     Request {
-        folders: folders.to_vec(),
+        text,
+        folders: folders.iter().chain(&project.libraries).cloned().collect(),
+        readable: readable.iter().chain(&project.allow_read).cloned().collect(),
         modelica_path: modelica_path(),
         ..Request::new(file.clone(), model.clone())
     }
+}
+
+/// Whether a path means the standard input or output.
+pub fn is_standard(path: &Path) -> bool {
+    path == Path::new("-")
+}
+
+/// A picture by its extension.
+fn picture(text: &str) -> Result<PathBuf, String> {
+    with_extension(text, &["svg", "png"])
+}
+
+/// A page by its extension.
+fn page(text: &str) -> Result<PathBuf, String> {
+    with_extension(text, &["html", "htm"])
+}
+
+fn with_extension(text: &str, known: &[&str]) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    match extension.as_deref().is_some_and(|e| known.contains(&e)) {
+        true => Ok(path),
+        false => {
+            let names: Vec<String> = known.iter().map(|e| format!(".{e}")).collect();
+            Err(format!("its name must end in {}", names.join(" or ")))
+        }
+    }
+}
+
+/// `NAME=UNIT`
+fn unit_of(text: &str) -> Result<(String, String), String> {
+    let pair = text.split_once('=').map(|(name, unit)| (name.trim(), unit.trim()));
+    let pair = pair.filter(|(name, unit)| !name.is_empty() && !unit.is_empty());
+    let (name, unit) = pair.ok_or_else(|| "write NAME=UNIT".to_owned())?;
+    Ok((name.to_owned(), unit.to_owned()))
+}
+
+/// The whole command line, for completions and man pages.
+pub fn whole() -> clap::Command {
+    Arguments::command()
+}
+
+/// Prints the completions of a shell as a text.
+pub fn completions(shell: clap_complete::Shell) -> Vec<u8> {
+    let mut out = Vec::new();
+    clap_complete::generate(shell, &mut whole(), "mocc", &mut out);
+    out
+}
+
+/// The man pages: the name of each file, and its text.
+pub fn man_pages() -> Vec<(String, Vec<u8>)> {
+    let mut pages = Vec::new();
+    let mut all = whole();
+    all.build();
+    let version = env!("CARGO_PKG_VERSION");
+    let mut waiting = vec![("mocc".to_owned(), all)];
+    while let Some((name, command)) = waiting.pop() {
+        for inner in command.get_subcommands().filter(|c| c.get_name() != "help") {
+            waiting.push((format!("{name}-{}", inner.get_name()), inner.clone()));
+        }
+        let mut text = Vec::new();
+        let shown = command.version(version);
+        // Writing to memory does not fail.
+        let _ = clap_mangen::Man::new(shown).render(&mut text);
+        pages.push((format!("{name}.1"), text));
+    }
+    pages.sort();
+    pages
 }
 
 /// `FROM:TO`
@@ -590,6 +856,12 @@ fn at(text: &str) -> Result<At, String> {
     }
     let time = text.trim().parse::<f64>().ok().filter(|t| t.is_finite());
     time.map(At::Time).ok_or_else(|| "write a time in s, or `steady`".to_owned())
+}
+
+/// A number that is not negative.
+fn tolerance(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|t| t.is_finite() && *t >= 0.0);
+    number.ok_or_else(|| "write a number that is not negative".to_owned())
 }
 
 /// A time in s that is not negative.

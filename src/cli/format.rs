@@ -1,7 +1,7 @@
 //! `mocc fmt`: files put in order, in place.
 
-use super::args::Format;
-use super::{Status, print, style};
+use super::args::{Format, is_standard};
+use super::{Status, print, standard_input, style};
 use crate::base::render::render_all;
 use crate::base::source::SourceMap;
 use crate::format::{FormatError, format};
@@ -18,7 +18,10 @@ pub fn run(options: &Format) -> Status {
         }
     };
     for path in &options.files {
-        let text = match crate::driver::files::read(path) {
+        let is_standard = is_standard(path);
+        let read =
+            if is_standard { Ok(standard_input()) } else { crate::driver::files::read(path) };
+        let text = match read {
             Ok(text) => text,
             Err(why) => {
                 eprintln!("error: cannot read `{}`: {why}", path.display());
@@ -28,6 +31,7 @@ pub fn run(options: &Format) -> Status {
         };
         let id = sources.add(path, text.as_str());
         match format(id, &text) {
+            Ok(ordered) if is_standard && !options.check => meet(print(&ordered)),
             Ok(ordered) if ordered == text => {}
             Ok(_) if options.check => {
                 changed.push_str(&format!("{}\n", path.display()));

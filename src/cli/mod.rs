@@ -13,32 +13,42 @@ pub mod args;
 pub mod budget;
 pub mod calibrate;
 pub mod check;
+pub mod compare;
+pub mod completions;
 pub mod diagnose;
 pub mod evaluate;
 pub mod explain;
 pub mod export;
 pub mod format;
 pub mod interrupt;
+pub mod library;
 pub mod linear_text;
 pub mod linearize;
+pub mod lsp;
+pub mod new;
+pub mod plan;
 pub mod plot;
 pub mod progress;
 pub mod report;
+pub mod run_summary;
 pub mod running;
 pub mod show;
 pub mod simulate;
 pub mod stream;
 pub mod sweep;
 pub mod terminal;
+pub mod test;
 pub mod writer;
 
 use std::ffi::OsString;
+use std::path::Path;
 use std::process::ExitCode;
 
 use crate::base::diag::Problems;
 use crate::base::render::{Style, render_all, visible};
 use crate::base::source::SourceMap;
 use crate::driver::compile::{CompileError, Session};
+use crate::driver::project::{self, Project};
 use crate::simulate::failure::FailureKind;
 
 /// The exit status of a command.
@@ -127,6 +137,14 @@ fn carry_out(command: args::Command) -> Status {
         args::Command::Evaluate(options) => evaluate::run(&options),
         args::Command::Steady(options) => linearize::steady(&options),
         args::Command::Linearize(options) => linearize::run(&options),
+        args::Command::Test(options) => test::run(&options),
+        args::Command::Compare(options) => compare::run(&options),
+        args::Command::New(options) => new::run(&options),
+        args::Command::Plan(options) => plan::run(&options),
+        args::Command::Lib(options) => library::run(&options),
+        args::Command::Lsp => lsp::run(),
+        args::Command::Completions(options) => completions::run(&options),
+        args::Command::Man(options) => completions::man(&options),
         args::Command::Plot(options) => plot::run(&options),
         args::Command::Sweep(options) => sweep::run(&options),
         args::Command::Check(options) => check::run(&options),
@@ -141,6 +159,28 @@ fn carry_out(command: args::Command) -> Status {
 /// The value of `MODELICAPATH`.
 fn modelica_path() -> Option<OsString> {
     std::env::var_os("MODELICAPATH")
+}
+
+/// The settings of the project of a file. Errors in them are shown, and end the command.
+fn project(file: Option<&Path>) -> Project {
+    let (mut sources, mut problems) = (SourceMap::default(), Problems::new());
+    let project = project::of(file, &mut sources, &mut problems);
+    if !problems.is_empty() {
+        say_problems(&problems, &sources);
+        std::process::exit(Status::Usage as i32);
+    }
+    project
+}
+
+/// The whole standard input. An error in it is shown, and ends the command.
+fn standard_input() -> String {
+    match std::io::read_to_string(std::io::stdin()) {
+        Ok(text) => text,
+        Err(why) => {
+            eprintln!("error: cannot read the standard input: {why}");
+            std::process::exit(Status::Usage as i32);
+        }
+    }
 }
 
 /// Writes to the standard error; a closed pipe or a full disk behind it does not end the command.
@@ -176,6 +216,20 @@ fn print_styled(text: &str) -> Status {
     use std::io::{ErrorKind, Write};
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(why) if why.kind() != ErrorKind::BrokenPipe => {
+            eprintln!("error: cannot write to the standard output: {why}");
+            Status::Usage
+        }
+        _ => Status::Done,
+    }
+}
+
+/// Writes a file to the standard output, and removes it.
+fn print_file(path: &Path) -> Status {
+    use std::io::{ErrorKind, Write};
+    let mut out = std::io::stdout().lock();
+    let bytes = crate::io::atomic_file::take_file(path);
+    match bytes.and_then(|bytes| out.write_all(&bytes).and_then(|()| out.flush())) {
         Err(why) if why.kind() != ErrorKind::BrokenPipe => {
             eprintln!("error: cannot write to the standard output: {why}");
             Status::Usage

@@ -1,10 +1,12 @@
 //! `mocc plot`: tables in, a chart out. Tables may be runs, sweeps or recordings.
 
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
-use super::Status;
-use super::args::Plot;
+use super::args::{Plot, is_standard};
+use super::{Status, print, standard_input};
 use crate::driver::files;
+use crate::io::format::Format;
 use crate::io::records::parts;
 use crate::measure::formula::{Columns, Formula};
 use crate::report::chart::{Chart, Group, Series, chart};
@@ -20,23 +22,45 @@ pub fn run(options: &Plot) -> Status {
     }
 }
 
+/// Panels of a picture whose columns the user has not named.
+const MOST_PANELS: usize = 4;
+
+/// The standard input, which can be read only once.
+fn read_once() -> String {
+    static TEXT: OnceLock<String> = OnceLock::new();
+    TEXT.get_or_init(standard_input).clone()
+}
+
 /// An axis: its label, and formulas of which the first one applies whose columns the table has.
 struct Shown {
     text: String,
+    /// The column of this name, before all formulas.
+    column: Option<String>,
     formulas: Vec<Formula>,
 }
 
 impl Shown {
-    /// `LABEL: FORMULA | FORMULA`
+    /// A column by its name.
+    fn column(name: &str) -> Shown {
+        Shown { text: name.to_owned(), column: Some(name.to_owned()), formulas: Vec::new() }
+    }
+
+    /// `LABEL: FORMULA | FORMULA`, the name of a column, or a formula.
     fn read(text: &str) -> Result<Shown, String> {
-        let (name, formulas) = text
-            .split_once(':')
-            .ok_or_else(|| format!("`{text}` has no label: write LABEL: FORMULA"))?;
+        let Some((name, formulas)) = text.split_once(':') else {
+            let formulas = Formula::read(text).into_iter().collect();
+            return Ok(Shown { formulas, ..Shown::column(text.trim()) });
+        };
         let formulas = formulas.split('|').map(Formula::read).collect::<Result<_, _>>()?;
-        Ok(Shown { text: name.trim().to_owned(), formulas })
+        Ok(Shown { text: name.trim().to_owned(), column: None, formulas })
     }
 
     fn of(&self, columns: &Columns) -> Result<Option<Vec<f64>>, String> {
+        let named =
+            self.column.as_ref().and_then(|name| columns.names.iter().position(|n| n == name));
+        if let Some(k) = named {
+            return Ok(Some(columns.values[k].clone()));
+        }
         for formula in &self.formulas {
             if let Some(values) = formula.of(columns)? {
                 return Ok(Some(values));
@@ -47,8 +71,18 @@ impl Shown {
 }
 
 fn picture(options: &Plot) -> Result<(), String> {
-    let across = Shown::read(&options.x)?;
-    let panels = options.y.iter().map(|y| Shown::read(y)).collect::<Result<Vec<_>, _>>()?;
+    let first = columns(&path_of(&options.tables[0]).0)?;
+    let across = match &options.x {
+        Some(text) => Shown::read(text)?,
+        None => Shown::column(first.names.first().map_or("", String::as_str)),
+    };
+    let panels = match options.y.is_empty() {
+        true => interesting(&first).iter().map(|name| Shown::column(name)).collect(),
+        false => options.y.iter().map(|y| Shown::read(y)).collect::<Result<Vec<_>, _>>()?,
+    };
+    if panels.is_empty() {
+        return Err(format!("{} has no column to draw", options.tables[0]));
+    }
     let mut groups = Vec::new();
     for (k, tables) in [&options.tables, &options.beside].into_iter().enumerate() {
         if tables.is_empty() {
@@ -70,15 +104,50 @@ fn picture(options: &Plot) -> Result<(), String> {
         across: across.text,
         logarithmic: options.log_x,
     };
-    chart(&drawn, &options.output).map_err(|e| e.to_string())
+    let path = match &options.output {
+        Some(path) => path.clone(),
+        None => {
+            let (table, _) = path_of(&options.tables[0]);
+            let stem =
+                table.file_stem().filter(|_| !is_standard(&table)).unwrap_or("plot".as_ref());
+            PathBuf::from(stem).with_extension("svg")
+        }
+    };
+    chart(&drawn, &path).map_err(|e| e.to_string())?;
+    if options.output.is_none() {
+        print(&format!("wrote {}\n", path.display()));
+    }
+    Ok(())
+}
+
+/// The columns that are drawn where none are named: those of the model itself that change, the first ones.
+fn interesting(table: &Columns) -> Vec<String> {
+    let changes = |values: &[f64]| {
+        let mut known = values.iter().filter(|v| !v.is_nan());
+        known.next().is_some_and(|first| known.any(|v| v != first))
+    };
+    let drawn = |top: bool| -> Vec<String> {
+        let all = table.names.iter().zip(&table.values).skip(1);
+        let wanted = all.filter(|(name, values)| {
+            name.contains('.') != top && !name.starts_with("der(") && changes(values)
+        });
+        wanted.map(|(name, _)| name.clone()).take(MOST_PANELS).collect()
+    };
+    let own = drawn(true);
+    if own.is_empty() { drawn(false) } else { own }
+}
+
+/// The file and the label of `FILE` or `FILE=LABEL`.
+fn path_of(table: &str) -> (PathBuf, String) {
+    match table.split_once('=') {
+        Some((path, label)) => (PathBuf::from(path), label.to_owned()),
+        None => (PathBuf::from(table), String::new()),
+    }
 }
 
 /// The curves of `FILE` or `FILE=LABEL`.
 fn series(table: &str, across: &Shown, panels: &[Shown]) -> Result<Series, String> {
-    let (path, label) = match table.split_once('=') {
-        Some((path, label)) => (PathBuf::from(path), label.to_owned()),
-        None => (PathBuf::from(table), String::new()),
-    };
+    let (path, label) = path_of(table);
     let columns = columns(&path)?;
     let x = across
         .of(&columns)?
@@ -87,9 +156,20 @@ fn series(table: &str, across: &Shown, panels: &[Shown]) -> Result<Series, Strin
     Ok(Series { label, x, y })
 }
 
-/// The columns of a CSV file; values that are not numbers are missing.
+/// The columns of a table; values that are not numbers are missing.
 fn columns(path: &Path) -> Result<Columns, String> {
-    let text = files::read(path).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
+    let is_text = path
+        .extension()
+        .is_none_or(|e| !e.eq_ignore_ascii_case("mat") && !e.eq_ignore_ascii_case("parquet"));
+    if !is_text {
+        let run = Format::read(path, &|_| true)?;
+        let names =
+            std::iter::once("time".to_owned()).chain(run.columns.iter().map(|c| c.name.clone()));
+        let values = std::iter::once(run.time.clone()).chain(run.data.iter().map(|c| c.to_vec()));
+        return Ok(Columns { names: names.collect(), values: values.collect() });
+    }
+    let text = if is_standard(path) { Ok(read_once()) } else { files::read(path) };
+    let text = text.map_err(|e| format!("cannot read {}: {e}", path.display()))?;
     let mut lines = text.lines();
     let names = lines.next().map(parts).unwrap_or_default();
     let mut values = vec![Vec::new(); names.len()];

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::args::{Model, Running};
+use super::args::{Model, Running, is_standard};
 use super::{Status, explain, style};
 use crate::base::render::render;
 use crate::base::source::SourceMap;
@@ -63,7 +63,7 @@ pub(super) fn failed(failure: &Failure, sources: &SourceMap) -> Status {
 
 /// `valve52` for `examples/valve52.mol`, the last part of the model's name without a file.
 pub(super) fn stem(model: &Model, program: &Program) -> String {
-    match model.file.as_deref().and_then(Path::file_stem) {
+    match model.file.as_deref().filter(|file| !is_standard(file)).and_then(Path::file_stem) {
         Some(stem) => stem.to_string_lossy().into_owned(),
         None => {
             let full = &program.blocks.dae.name;

@@ -3,12 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::args::Simulate;
+use super::args::{Simulate, is_standard};
 use super::progress::Progress;
-use super::stream::{Stream, drawable};
-use super::{Status, interrupt, print, running, say, style};
+use super::run_summary::summary_json;
+use super::stream::{OtherUnit, Stream, drawable};
+use super::{Status, interrupt, print, print_file, running, say, style};
+use crate::base::diag::did_you_mean;
 use crate::base::render::render;
 use crate::driver::compile::{Request, Session};
+use crate::driver::quantity::scale_of;
+use crate::io::atomic_file::scratch_path;
 use crate::io::format::Format;
 use crate::io::printout::Printout;
 use crate::ir::program::Program;
@@ -22,8 +26,18 @@ use crate::simulate::run::{Run, simulate_to};
 
 /// Runs the command.
 pub fn run(options: &Simulate) -> Status {
-    if let Some(Err(why)) = options.output.as_deref().map(Format::of) {
+    let is_piped = options.output.as_deref().is_some_and(is_standard);
+    let format = match &options.output {
+        Some(_) if is_piped => Format::of(Path::new(&format!("-.{}", options.format))).map(drop),
+        Some(path) => Format::of(path).map(drop),
+        None => Ok(()),
+    };
+    if let Err(why) = format {
         eprintln!("error: {why}");
+        return Status::Usage;
+    }
+    if is_piped && options.json {
+        eprintln!("error: --json and --output - both write to the standard output");
         return Status::Usage;
     }
     let started_at = Instant::now();
@@ -92,12 +106,29 @@ pub fn run(options: &Simulate) -> Status {
             return Status::Usage;
         }
     };
-    let mut text = if options.events { events(&run.trajectory) } else { String::new() };
-    text.push_str(&summary(&program, &run, compiled, started_at.elapsed(), &written));
-    if let Some(plan) = &measures {
-        text.push_str(&measured(&plan.columns, &values));
-    }
-    let status = match print(&text) {
+    let printed = if options.json {
+        let measures = measures.as_ref().map_or(&[][..], |plan| &plan.columns);
+        print(&summary_json(&program, &run, compiled, measures, &values, &written).pretty())
+    } else {
+        let mut text = if options.events { events(&run.trajectory) } else { String::new() };
+        if !options.quiet {
+            text.push_str(&summary(&program, &run, compiled, started_at.elapsed(), &written));
+        }
+        if options.verbose {
+            text.push_str(&stages(&session));
+        }
+        if let Some(plan) = &measures {
+            text.push_str(&measured(&plan.columns, &values));
+        }
+        match (is_piped, written.first()) {
+            (true, Some(file)) => {
+                eprint!("{text}");
+                print_file(file)
+            }
+            _ => print(&text),
+        }
+    };
+    let status = match printed {
         Status::Done if run.statistics.interrupted => Status::Interrupted,
         status => status,
     };
@@ -139,8 +170,12 @@ impl Files {
         let stem = running::stem(&options.model, program);
         let default =
             |extension: &str| neither.then(|| PathBuf::from(format!("{stem}.{extension}")));
+        let output = options.output.as_ref().map(|path| match is_standard(path) {
+            true => scratch_path(&options.format),
+            false => path.clone(),
+        });
         Files {
-            table: options.output.clone().or_else(|| default("csv")),
+            table: output.or_else(|| default("csv")),
             picture: options.plot.clone().or_else(|| default("svg")),
         }
     }
@@ -172,7 +207,8 @@ impl Files {
         };
         let folder = self.table.as_ref().or(self.picture.as_ref()).and_then(|path| path.parent());
         let printout = Printout::new(folder.unwrap_or(Path::new("")), &options.allow_write);
-        Stream::new(columns, &column_storage(program)[..columns.len()], output, kept)
+        let units = other_units(options, columns)?;
+        Stream::new(columns, &column_storage(program)[..columns.len()], output, units, kept)
             .map(|stream| stream.with_printout(printout))
             .map_err(|e| e.to_string())
     }
@@ -192,6 +228,37 @@ impl Files {
         plot::plot(&run.trajectory, &spec, path).map_err(|e| e.to_string())?;
         Ok(Some(path.clone()))
     }
+}
+
+/// The columns that the user wants in other units. The error is a message.
+fn other_units(options: &Simulate, columns: &[Column]) -> Result<Vec<OtherUnit>, String> {
+    let mut out = Vec::new();
+    for (name, unit) in &options.units {
+        let column = position(columns, name).ok_or_else(|| {
+            let near = did_you_mean(name, columns.iter().map(|c| c.name.as_str()));
+            let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+            format!("--unit: the run records no variable `{name}`{near}")
+        })?;
+        let (scale, dimension) =
+            scale_of(unit).ok_or_else(|| format!("--unit: `{unit}` is not a known unit"))?;
+        let declared = &columns[column].unit;
+        if scale_of(declared).is_none_or(|(_, own)| own != dimension) {
+            let declared = if declared.is_empty() { "1" } else { declared };
+            return Err(format!(
+                "--unit: `{name}` is in `{declared}`, which `{unit}` does not measure"
+            ));
+        }
+        out.push(OtherUnit { column, unit: unit.clone(), scale });
+    }
+    Ok(out)
+}
+
+/// How long each stage of the compiler took.
+fn stages(session: &Session) -> String {
+    let line = |(stage, time): &(&str, Duration)| {
+        format!("  {stage}: {:.1} ms\n", 1e3 * time.as_secs_f64())
+    };
+    session.times.iter().map(line).collect()
 }
 
 fn events(trajectory: &Trajectory) -> String {

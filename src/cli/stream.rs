@@ -14,6 +14,7 @@ use crate::io::printout::Printout;
 use crate::io::results::{Header, Results};
 use crate::ir::trajectory::{Column, ColumnStorage, Constant, Event, Kind, Trajectory};
 use crate::simulate::record::Sink;
+use crate::units::unit::Scale;
 
 /// So many curves are kept for a picture whose curves the user has not named.
 const MOST_KEPT: usize = 2000;
@@ -26,6 +27,17 @@ enum Output {
     Begun(Writer),
 }
 
+/// A column that is written in another unit than SI.
+#[derive(Clone, PartialEq, Debug)]
+pub struct OtherUnit {
+    /// Its position.
+    pub column: usize,
+    /// The unit.
+    pub unit: String,
+    /// SI units per unit, and its zero in SI units.
+    pub scale: Scale,
+}
+
 /// Writes rows as they come and keeps only variables that may be drawn, so that the memory of a large run is
 /// that of a few curves.
 pub struct Stream {
@@ -34,6 +46,8 @@ pub struct Stream {
     trouble: Option<TableError>,
     progress: Option<Progress>,
     kept: Vec<usize>,
+    /// Columns of the file that are written in other units.
+    units: Vec<OtherUnit>,
     /// Files that the model itself writes.
     printout: Printout,
     /// The kept columns, and all events.
@@ -41,24 +55,38 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// Of a run that records `columns`: to the file `output`, keeping the columns at `kept`.
+    /// Of a run that records `columns`: to the file `output`, in which some have other units, keeping the columns at
+    /// `kept`.
     pub fn new(
         columns: &[Column],
         column_storage: &[ColumnStorage],
         output: Option<(PathBuf, &'static Format)>,
+        units: Vec<OtherUnit>,
         kept: Vec<usize>,
     ) -> Result<Self, TableError> {
+        let mut columns = columns.to_vec();
         let output = match output {
             Some((path, format)) => {
-                let header = Header { columns, column_storage };
+                let mut written = columns.clone();
+                units.iter().for_each(|u| written[u.column].unit.clone_from(&u.unit));
+                // A column in another unit differs from its aliases.
+                let own = |storage: &ColumnStorage| match storage {
+                    ColumnStorage::Alias { .. } => ColumnStorage::Own,
+                    storage => *storage,
+                };
+                let changed: Vec<ColumnStorage> = column_storage.iter().map(own).collect();
+                let column_storage = if units.is_empty() { column_storage } else { &changed };
+                let header = Header { columns: &written, column_storage };
                 let results = Results::create(&path, format, &header)?;
                 Some((Output::Waiting(results), path))
             }
             None => None,
         };
+        // Pictures convert by themselves.
+        units.iter().for_each(|u| columns[u.column].display_unit.clone_from(&u.unit));
         let trajectory = Trajectory::new(kept.iter().map(|&k| columns[k].clone()).collect());
         let printout = Printout::default();
-        Ok(Stream { output, trouble: None, progress: None, kept, printout, trajectory })
+        Ok(Stream { output, trouble: None, progress: None, kept, units, printout, trajectory })
     }
 
     /// With the bounds of what the model may write; without them it writes no file.
@@ -88,6 +116,19 @@ impl Stream {
         };
         results.finish(end)?;
         Ok(Some(path))
+    }
+
+    /// Rows in the units of the file, if these are not SI.
+    fn converted(&self, values: &[f64], width: usize) -> Option<Vec<f64>> {
+        if self.units.is_empty() || self.output.is_none() {
+            return None;
+        }
+        let mut out = values.to_vec();
+        for OtherUnit { column, scale, .. } in &self.units {
+            let cells = out.iter_mut().skip(*column).step_by(width.max(1));
+            cells.for_each(|value| *value = (*value - scale.offset) / scale.factor);
+        }
+        Some(out)
     }
 
     /// The file, ready for rows.
@@ -129,13 +170,14 @@ impl Sink for Stream {
     }
 
     fn rows(&mut self, times: &[f64], values: &[f64]) {
+        let width = values.len() / times.len().max(1);
+        let converted = self.converted(values, width);
         if let Some(writer) = self.writer() {
-            writer.rows(times, values);
+            writer.rows(times, converted.as_deref().unwrap_or(values));
         }
         if self.kept.is_empty() {
             return;
         }
-        let width = values.len() / times.len().max(1);
         self.trajectory.time.extend_from_slice(times);
         for (column, &k) in self.trajectory.data.iter_mut().zip(&self.kept) {
             let values = (0..times.len()).map(|row| values[row * width + k]);
@@ -201,7 +243,7 @@ mod tests {
     #[test]
     fn rows_reach_the_kept_columns() {
         let columns = [Column::new("a", ""), Column::new("b", ""), Column::new("c", "")];
-        let mut stream = Stream::new(&columns, &[], None, vec![0, 2]).unwrap();
+        let mut stream = Stream::new(&columns, &[], None, Vec::new(), vec![0, 2]).unwrap();
         stream.row(0.5, &[1.0, 2.0, 3.0]);
         assert_eq!(stream.trajectory.values("c"), Some(&[3.0][..]));
         assert_eq!(stream.trajectory.values("b"), None);

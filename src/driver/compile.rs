@@ -35,6 +35,7 @@ use crate::verify;
 
 use super::cause::RequestCause;
 use super::packed::Packed;
+use super::quantity;
 
 /// A class with an annotation `__mocc`.
 #[derive(Clone, Debug)]
@@ -167,9 +168,20 @@ impl Session {
         let file = self.read(request, &mut library)?;
         self.checked(CompileError::Model)?;
         let mut settings = Vec::with_capacity(request.settings.len());
+        let mut quantities = Vec::new();
         for text in &request.settings {
+            let text = match quantity::in_si(text) {
+                Ok((text, given)) => {
+                    quantities.extend(given);
+                    text
+                }
+                Err(cause) => {
+                    self.problems.push(Diagnostic::new(cause, Span::NONE));
+                    return Err(CompileError::Request);
+                }
+            };
             let read = crate::flatten::parameter_override::read(
-                text,
+                &text,
                 &mut self.sources,
                 &mut self.problems,
             );
@@ -201,6 +213,8 @@ impl Session {
         let only_settings = self.problems.iter().all(of_setting);
         self.checked(if only_settings { CompileError::Request } else { CompileError::Model })?;
         verify::after("flatten", "flat", || verify::flat::check(flat(&made)));
+        self.compare_quantities(flat(&made), &quantities);
+        self.checked(CompileError::Request)?;
         Ok(made)
     }
 
@@ -434,6 +448,30 @@ impl Session {
         }
     }
 
+    /// Refuses values whose units measure something else than their parameters.
+    fn compare_quantities(&mut self, flat: &FlatModel, quantities: &[quantity::Given]) {
+        for given in quantities {
+            let Some(variable) = flat.variables.iter().find(|v| v.name == given.name) else {
+                continue;
+            };
+            let declared = quantity::scale_of(&variable.unit);
+            if declared.is_none_or(|(scale, dimension)| {
+                dimension != given.dimension || (scale.factor - 1.0).abs() > 1e-12
+            }) {
+                let cause = quantity::QuantityCause::WrongUnit {
+                    name: given.name.clone(),
+                    declared: if variable.unit.is_empty() {
+                        "1".into()
+                    } else {
+                        variable.unit.to_string()
+                    },
+                    unit: given.unit.clone(),
+                };
+                self.problems.push(Diagnostic::new(cause, variable.span));
+            }
+        }
+    }
+
     /// The program of a flat model, in this form.
     pub fn compile_flat(
         &mut self,
@@ -464,6 +502,11 @@ impl Session {
             return Err(CompileError::Request);
         }
         let Some(path) = &request.file else { return Ok(None) };
+        let path = if request.text.is_some() && path == Path::new("-") {
+            Path::new("stdin.mo")
+        } else {
+            path
+        };
         let text = match request.text.clone().map_or_else(|| super::files::read(path), Ok) {
             Ok(text) => text,
             Err(why) => {

@@ -16,6 +16,25 @@ static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/lib");
 /// The pages that explain diagnostics.
 static ERROR_PAGES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/docs/errors");
 
+/// The projects that `mocc new` starts from, a folder each.
+static TEMPLATES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/templates");
+
+/// The files of a template, relative to the folder of the project; none if there is no such template.
+pub fn template(name: &str) -> Vec<(&'static Path, &'static [u8])> {
+    let Some(dir) = TEMPLATES.get_dir(name) else { return Vec::new() };
+    let mut out = Vec::new();
+    let mut waiting = vec![dir];
+    while let Some(folder) = waiting.pop() {
+        waiting.extend(folder.dirs());
+        let file = |f: &'static include_dir::File<'static>| {
+            Some((f.path().strip_prefix(name).ok()?, f.contents()))
+        };
+        out.extend(folder.files().filter_map(file));
+    }
+    out.sort_unstable();
+    out
+}
+
 /// The pages that explain diagnostics, by code: `("MO0201", "# MO0201: unknown class ...")`.
 pub fn error_pages() -> Vec<(&'static str, &'static str)> {
     let page = |file: &'static include_dir::File<'static>| {
@@ -181,6 +200,16 @@ pub fn top_level(folder: &Path) -> Result<Vec<String>, String> {
     let name =
         |e: &String| e.strip_suffix('/').or_else(|| e.strip_suffix(".mo")).map(str::to_owned);
     Ok(entries.iter().filter_map(name).filter(|e| !e.contains('.')).collect())
+}
+
+/// The tables, .csv, in a folder, sorted by name. The error is a message.
+pub fn tables(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let list =
+        std::fs::read_dir(folder).map_err(|e| format!("cannot read {}: {e}", folder.display()))?;
+    let mut all: Vec<PathBuf> = list.flatten().map(|entry| entry.path()).collect();
+    all.retain(|path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv")));
+    all.sort();
+    Ok(all)
 }
 
 /// The text of a file, or the reason why it cannot be read.

@@ -120,6 +120,25 @@ pub fn write_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteError
     file.finish()
 }
 
+/// A path for a file that only this process needs; the extension decides its format.
+pub fn scratch_path(extension: &str) -> PathBuf {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    std::env::temp_dir().join(format!("mocc-{}-{count}.{extension}", std::process::id()))
+}
+
+/// A folder for files that all processes of this user may share.
+pub fn shared_folder(name: &str) -> PathBuf {
+    std::env::temp_dir().join(name)
+}
+
+/// The bytes of a file, which is removed.
+pub fn take_file(path: &Path) -> io::Result<Vec<u8>> {
+    let bytes = fs::read(path);
+    let _ = fs::remove_file(path);
+    bytes
+}
+
 /// Creates a folder for results and its parents, unless it exists.
 pub fn create_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
     let path = path.as_ref();

@@ -177,8 +177,18 @@ impl ResultWriter for TableWriter<AtomicFile> {
 
 /// Writes a trajectory to `path`; see [`AtomicFile`].
 pub fn write_csv(trajectory: &Trajectory, path: impl AsRef<Path>) -> Result<(), TableError> {
-    let file = AtomicFile::create(path)?;
-    let mut table = TableWriter::new(file, &trajectory.columns)?;
+    table_to(AtomicFile::create(path)?, trajectory)?.finish()?;
+    Ok(())
+}
+
+/// A trajectory as the text of a table.
+pub fn text_of(trajectory: &Trajectory) -> Result<String, TableError> {
+    let bytes = table_to(Vec::new(), trajectory)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+fn table_to<W: Write>(out: W, trajectory: &Trajectory) -> Result<W, TableError> {
+    let mut table = TableWriter::new(out, &trajectory.columns)?;
     let mut row = vec![0.0; trajectory.columns.len()];
     for (i, &time) in trajectory.time.iter().enumerate() {
         for (cell, values) in row.iter_mut().zip(&trajectory.data) {
@@ -186,8 +196,7 @@ pub fn write_csv(trajectory: &Trajectory, path: impl AsRef<Path>) -> Result<(), 
         }
         table.row(time, &row)?;
     }
-    table.finish()?.finish()?;
-    Ok(())
+    table.finish()
 }
 
 /// Prints integers below 2^53 without a point if the column is `whole`, otherwise the shortest text

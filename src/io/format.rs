@@ -9,12 +9,15 @@ use std::path::Path;
 use thiserror::Error;
 
 use super::atomic_file::AtomicFile;
-use super::csv::{TableError, TableWriter};
+use super::csv::{TableError, TableWriter, read_csv};
 use super::mat4::MatWriter;
+use super::mat4_read::read_mat;
 use super::parquet::ParquetWriter;
+use super::parquet::read::read_parquet;
 use super::parquet::records::RecordsWriter;
 use super::records::{CsvRecords, Field, RecordError, RecordWriter};
 use super::results::{Header, ResultWriter};
+use crate::ir::trajectory::Trajectory;
 
 /// A file format.
 pub struct Format {
@@ -24,6 +27,8 @@ pub struct Format {
     pub results: fn(AtomicFile, &Header<'_>) -> Result<Box<dyn ResultWriter>, TableError>,
     /// Creates the writer for record tables, if the format supports them.
     pub records: Option<fn(AtomicFile, &[Field]) -> Result<Box<dyn RecordWriter>, RecordError>>,
+    /// Reads the variables of a file whose names the predicate accepts; the error is a message.
+    read: fn(&Path, &dyn Fn(&str) -> bool) -> Result<Trajectory, String>,
 }
 
 /// All formats; the first one is the default.
@@ -33,12 +38,14 @@ pub static FORMATS: [Format; 3] = [
         extension: "csv",
         results: |file, header| Ok(Box::new(TableWriter::new(file, header.columns)?)),
         records: Some(|file, fields| Ok(Box::new(CsvRecords::new(file, fields)?))),
+        read: |path, _| read_csv(path).map_err(|e| e.to_string()),
     },
     // Apache Parquet: typed columns in row groups, with units and descriptions.
     Format {
         extension: "parquet",
         results: |file, header| Ok(Box::new(ParquetWriter::new(file, header.columns)?)),
         records: Some(|file, fields| Ok(Box::new(RecordsWriter::new(file, fields)?))),
+        read: |path, wanted| read_parquet(path, wanted).map_err(|e| unreadable(path, &e)),
     },
     // MATLAB level 4 with the matrices of Dymola and OpenModelica.
     Format {
@@ -47,6 +54,7 @@ pub static FORMATS: [Format; 3] = [
             Ok(Box::new(MatWriter::new(file, header.columns, header.column_storage)))
         },
         records: None,
+        read: |path, wanted| read_mat(path, wanted).map_err(|e| unreadable(path, &e)),
     },
 ];
 
@@ -63,10 +71,21 @@ impl Format {
         found.ok_or_else(|| UnknownFormat(path.display().to_string()))
     }
 
+    /// The variables of a result file whose names `wanted` accepts. Errors: a message that names the file.
+    pub fn read(path: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<Trajectory, String> {
+        let refused =
+            |_| format!("results can be read from {}, not from `{}`", extensions(), path.display());
+        (Format::of(path).map_err(refused)?.read)(path, wanted)
+    }
+
     /// The default format.
     pub fn csv() -> &'static Format {
         &FORMATS[0]
     }
+}
+
+fn unreadable(path: &Path, why: &str) -> String {
+    format!("cannot read {}: {why}", path.display())
 }
 
 /// All extensions, for messages: `.csv, .parquet or .mat`.

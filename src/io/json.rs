@@ -1,4 +1,4 @@
-//! Builds and prints JSON. Sole user of `serde_json`.
+//! Builds, prints and reads JSON. Sole user of `serde_json`.
 
 use serde_json::{Map, Number, Value};
 
@@ -12,6 +12,36 @@ impl Json {
         Json(Number::from_f64(x).map_or(Value::Null, Value::Number))
     }
 
+    /// Reads a value. The error is a message.
+    pub fn parse(text: &str) -> Result<Json, String> {
+        serde_json::from_str(text).map(Json).map_err(|e| e.to_string())
+    }
+
+    /// A part by its keys, each the name of a member.
+    pub fn at(&self, keys: &[&str]) -> Option<Json> {
+        let found = keys.iter().try_fold(&self.0, |value, key| value.get(key));
+        found.filter(|value| !value.is_null()).cloned().map(Json)
+    }
+
+    /// The string at some keys.
+    pub fn text_at(&self, keys: &[&str]) -> Option<&str> {
+        keys.iter().try_fold(&self.0, |value, key| value.get(key))?.as_str()
+    }
+
+    /// The count at some keys.
+    pub fn count_at(&self, keys: &[&str]) -> Option<usize> {
+        let found = keys.iter().try_fold(&self.0, |value, key| value.get(key))?;
+        found.as_u64().and_then(|n| usize::try_from(n).ok())
+    }
+
+    /// The items of the array at some keys; none without an array.
+    pub fn items_at(&self, keys: &[&str]) -> Vec<Json> {
+        let found = keys.iter().try_fold(&self.0, |value, key| value.get(key));
+        found
+            .and_then(Value::as_array)
+            .map_or(Vec::new(), |items| items.iter().cloned().map(Json).collect())
+    }
+
     /// `null`.
     pub fn null() -> Json {
         Json(Value::Null)
@@ -19,6 +49,11 @@ impl Json {
 
     /// A count.
     pub fn count(n: usize) -> Json {
+        Json(Value::from(n))
+    }
+
+    /// An integer.
+    pub fn integer(n: i64) -> Json {
         Json(Value::from(n))
     }
 

@@ -65,6 +65,11 @@ pub fn chart(chart: &Chart, path: &Path) -> Result<(), PlotError> {
     write(path, size, || on_canvas(size, |canvas| Drawing::new(chart)?.draw(canvas)))
 }
 
+/// Draws a chart as SVG.
+pub fn svg(chart: &Chart) -> Result<String, PlotError> {
+    on_canvas((WIDTH, chart.height()), |canvas| Drawing::new(chart)?.draw(canvas))
+}
+
 impl Chart {
     fn height(&self) -> u32 {
         let panels = self.panels.len() as f64 * (PANEL + LINE + 14.0);

@@ -8,6 +8,7 @@
 //!
 //! Source: Apache Parquet format, version 2.
 
+pub mod read;
 pub mod records;
 
 use std::fmt::Write as _;

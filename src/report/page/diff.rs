@@ -5,6 +5,8 @@
 
 use crate::report::markup::escaped;
 
+/// Entries of the table of a comparison at most; larger differences are not aligned.
+const MOST_ENTRIES: usize = 1 << 25;
 /// Lines of context around a change.
 const CONTEXT: usize = 3;
 
@@ -14,6 +16,35 @@ enum Edit<'a> {
     Same(&'a str),
     Removed(&'a str),
     Added(&'a str),
+}
+
+/// The unified difference as lines of plain text; nothing if the texts are equal.
+pub fn plain(before: &str, after: &str) -> Vec<String> {
+    let edits = edits(before, after);
+    let is_near = |k: usize| {
+        let around = k.saturating_sub(CONTEXT)..(k + CONTEXT + 1).min(edits.len());
+        edits[around].iter().any(|e| !matches!(e, Edit::Same(_)))
+    };
+    let mut out = Vec::new();
+    let (mut old, mut new, mut shown) = (1, 1, false);
+    for (k, edit) in edits.iter().enumerate() {
+        let is_shown = is_near(k);
+        if is_shown && !shown {
+            out.push(format!("@@ -{old} +{new} @@"));
+        }
+        shown = is_shown;
+        let (sign, text) = match edit {
+            Edit::Same(text) => (' ', text),
+            Edit::Removed(text) => ('-', text),
+            Edit::Added(text) => ('+', text),
+        };
+        if shown {
+            out.push(format!("{sign}{text}"));
+        }
+        old += usize::from(sign != '+');
+        new += usize::from(sign != '-');
+    }
+    out
 }
 
 /// The unified difference as markup; nothing if the texts are equal.
@@ -50,7 +81,22 @@ fn edits<'a>(before: &'a str, after: &'a str) -> Vec<Edit<'a>> {
     // A common prefix needs no table.
     let head = a.iter().zip(&b).take_while(|(x, y)| x == y).count();
     let (rest_a, rest_b) = (&a[head..], &b[head..]);
+    // Neither does a common suffix.
+    let tail = rest_a.iter().rev().zip(rest_b.iter().rev()).take_while(|(x, y)| x == y).count();
+    let same = &rest_a[rest_a.len() - tail..];
+    let (rest_a, rest_b) = (&rest_a[..rest_a.len() - tail], &rest_b[..rest_b.len() - tail]);
     let width = rest_b.len() + 1;
+    if rest_a.len().saturating_mul(width) > MOST_ENTRIES {
+        let removed = rest_a.iter().map(|l| Edit::Removed(l));
+        let added = rest_b.iter().map(|l| Edit::Added(l));
+        let around = |lines: &[&'a str]| lines.iter().map(|l| Edit::Same(l)).collect::<Vec<_>>();
+        return around(&a[..head])
+            .into_iter()
+            .chain(removed)
+            .chain(added)
+            .chain(around(same))
+            .collect();
+    }
     let mut longest = vec![0u32; (rest_a.len() + 1) * width];
     for i in (0..rest_a.len()).rev() {
         for j in (0..rest_b.len()).rev() {
@@ -77,6 +123,7 @@ fn edits<'a>(before: &'a str, after: &'a str) -> Vec<Edit<'a>> {
             j += 1;
         }
     }
+    out.extend(same.iter().map(|l| Edit::Same(l)));
     out
 }
 
@@ -92,6 +139,8 @@ mod tests {
             [Same("a"), Removed("b"), Same("c"), Added("x"), Same("d"), Added("y")]
         );
         assert_eq!(unified("a\nb", "a\nb\n"), "");
+        assert_eq!(plain("a\nb\nc", "a\nc"), ["@@ -1 +1 @@", " a", "-b", " c"]);
+        assert_eq!(edits("a\nb\nc", "x\nb\nc"), [Removed("a"), Added("x"), Same("b"), Same("c")]);
         assert_eq!(
             unified("a<", "b"),
             "<pre class=\"diff\"><span class=\"at\">@@ -1 +1 @@</span><span class=\"minus\">-a&lt;\n</span><span class=\"plus\">+b\n</span></pre>\n"

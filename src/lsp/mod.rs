@@ -1,0 +1,17 @@
+//! Models in an editor: the language server protocol, version 3.17.
+//!
+//! *In:* messages of a client ([`message`]), which changes texts and asks about them. *Out:* diagnostics after each
+//! change, and answers ([`server`]): outline and folds ([`outline`]), colours ([`colours`]), declarations and candidates
+//! ([`answers`]), repairs ([`repairs`]). Positions count lines and UTF-16 units from 0 ([`position`]).
+//!
+//! The few types of the protocol that are used are built as JSON; the crates that declare all of them would double the
+//! time that a build takes.
+
+pub mod answers;
+pub mod colours;
+pub mod diagnostics;
+pub mod message;
+pub mod outline;
+pub mod position;
+pub mod repairs;
+pub mod server;

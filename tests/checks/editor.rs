@@ -1,0 +1,302 @@
+//! `mocc lsp`, with a client that speaks the protocol over pipes.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+use serde_json::{Value, json};
+
+use super::door::Scratch;
+
+const MODEL: &str = "model Push \"A force pushes a mass\"
+  parameter Units.Force F = 25 \"Force of the magnet\";
+  Translational.Force magnet(f = F);
+  Translational.StopMass spool(m = 0.03, s_max = 3e-3);
+equation
+  connect(magnet.flange, spool.flange);
+end Push;
+";
+
+/// An editor with one open file.
+struct Editor {
+    child: Child,
+    input: Option<ChildStdin>,
+    output: BufReader<ChildStdout>,
+    address: String,
+    text: String,
+    next: u64,
+    diagnostics: Vec<Value>,
+    _folder: Scratch,
+}
+
+impl Editor {
+    fn open(text: &str) -> Editor {
+        let folder = Scratch::new();
+        let path: PathBuf = folder.file("push.mo", text);
+        let path = path.canonicalize().expect("the file");
+        let mut child = Command::new(env!("CARGO_BIN_EXE_mocc"))
+            .arg("lsp")
+            .env_remove("MODELICAPATH")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .expect("mocc starts");
+        let input = child.stdin.take();
+        let output = BufReader::new(child.stdout.take().expect("a pipe"));
+        let address = format!("file://{}", path.display());
+        let mut editor = Editor {
+            child,
+            input,
+            output,
+            address,
+            text: text.to_owned(),
+            next: 0,
+            diagnostics: Vec::new(),
+            _folder: folder,
+        };
+        let ready = editor.ask("initialize", json!({ "capabilities": {} }));
+        assert_eq!(ready["serverInfo"]["name"], "mocc");
+        assert_eq!(ready["capabilities"]["textDocumentSync"]["change"], 2);
+        editor.tell("initialized", json!({}));
+        let document =
+            json!({ "uri": editor.address, "languageId": "modelica", "version": 1, "text": text });
+        editor.tell("textDocument/didOpen", json!({ "textDocument": document }));
+        editor.wait();
+        editor
+    }
+
+    fn send(&mut self, message: &Value) {
+        let text = message.to_string();
+        let input = self.input.as_mut().expect("open");
+        write!(input, "Content-Length: {}\r\n\r\n{text}", text.len()).expect("it reads");
+        input.flush().expect("it reads");
+    }
+
+    fn receive(&mut self) -> Value {
+        let mut length = 0;
+        loop {
+            let mut line = String::new();
+            assert!(
+                self.output.read_line(&mut line).expect("a header") > 0,
+                "the server has ended"
+            );
+            match line.trim().split_once(": ") {
+                Some((_, n)) => length = n.parse().expect("a length"),
+                None => break,
+            }
+        }
+        let mut bytes = vec![0; length];
+        self.output.read_exact(&mut bytes).expect("a message");
+        serde_json::from_slice(&bytes).expect("JSON")
+    }
+
+    fn tell(&mut self, method: &str, parameters: Value) {
+        self.send(&json!({ "jsonrpc": "2.0", "method": method, "params": parameters }));
+    }
+
+    /// The whole answer to a request; diagnostics that come before are kept.
+    fn reply(&mut self, method: &str, parameters: Value) -> Value {
+        self.next += 1;
+        let id = self.next;
+        self.send(&json!({ "jsonrpc": "2.0", "id": id, "method": method, "params": parameters }));
+        loop {
+            let message = self.receive();
+            if message["id"] == id {
+                return message;
+            }
+            self.keep(&message);
+        }
+    }
+
+    fn ask(&mut self, method: &str, parameters: Value) -> Value {
+        let reply = self.reply(method, parameters);
+        assert!(reply.get("error").is_none(), "{method}: {reply}");
+        reply["result"].clone()
+    }
+
+    fn keep(&mut self, message: &Value) {
+        assert_eq!(message["method"], "textDocument/publishDiagnostics");
+        self.diagnostics = message["params"]["diagnostics"].as_array().expect("a list").clone();
+    }
+
+    /// Waits for diagnostics.
+    fn wait(&mut self) {
+        let message = self.receive();
+        self.keep(&message);
+    }
+
+    /// Replaces a part of the text, as typing does.
+    fn edit(&mut self, old: &str, new: &str) {
+        let at = self.text.find(old).expect(old);
+        let range = json!({ "start": self.place(at), "end": self.place(at + old.len()) });
+        self.text = self.text.replacen(old, new, 1);
+        let document = json!({ "uri": self.address, "version": 2 });
+        let changes = json!([{ "range": range, "text": new }]);
+        self.tell(
+            "textDocument/didChange",
+            json!({ "textDocument": document, "contentChanges": changes }),
+        );
+        self.wait();
+    }
+
+    fn place(&self, at: usize) -> Value {
+        let before = &self.text[..at];
+        let line = before.matches('\n').count();
+        json!({ "line": line, "character": before.len() - before.rfind('\n').map_or(0, |k| k + 1) })
+    }
+
+    /// Asks about the place `shift` bytes into a part of the text.
+    fn at(&mut self, method: &str, part: &str, shift: usize) -> Value {
+        let at = self.text.find(part).expect(part) + shift;
+        let position = self.place(at);
+        self.ask(method, json!({ "textDocument": { "uri": self.address }, "position": position }))
+    }
+
+    fn of_document(&mut self, method: &str) -> Value {
+        self.ask(method, json!({ "textDocument": { "uri": self.address } }))
+    }
+
+    fn close(mut self) {
+        self.ask("shutdown", Value::Null);
+        self.tell("exit", Value::Null);
+        self.input = None;
+        assert!(self.child.wait().expect("it ends").success());
+    }
+}
+
+impl Drop for Editor {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+#[test]
+fn diagnostics_follow_the_text_and_repair_it() {
+    let mut editor = Editor::open(MODEL);
+    assert_eq!(editor.diagnostics, Vec::<Value>::new());
+    editor.edit("f = F", "f = G");
+    let found = editor.diagnostics.clone();
+    assert_eq!((found.len(), &found[0]["code"]), (1, &json!("MO0202")), "{found:?}");
+    assert_eq!(found[0]["range"]["start"], json!({ "line": 2, "character": 33 }));
+    editor.edit("magnet.flange", "magnt.flange");
+    let wrong = editor.diagnostics.iter().find(|d| d["message"].to_string().contains("magnt"));
+    let range = wrong.expect("a diagnostic")["range"].clone();
+    let context = json!({ "diagnostics": [] });
+    let address = editor.address.clone();
+    let actions = editor.ask(
+        "textDocument/codeAction",
+        json!({ "textDocument": { "uri": address }, "range": range, "context": context }),
+    );
+    assert_eq!(actions[0]["title"], "Replace `magnt` by `magnet`", "{actions}");
+    let edit = &actions[0]["edit"]["changes"][address.as_str()][0];
+    assert_eq!(edit["newText"], "magnet");
+    assert_eq!(edit["range"]["end"]["character"], 15, "{edit}");
+    editor.edit("magnt.flange", "magnet.flange");
+    editor.edit("f = G", "f = F");
+    assert_eq!(editor.diagnostics, Vec::<Value>::new());
+    editor.close();
+}
+
+#[test]
+fn names_are_explained_found_and_renamed() {
+    let mut editor = Editor::open(MODEL);
+    let hover = editor.at("textDocument/hover", "= F)", 2);
+    let text = hover["contents"]["value"].as_str().expect("Markdown").to_owned();
+    for part in ["parameter Units.Force F = 25", "F = 25 N", "Force of the magnet"] {
+        assert!(text.contains(part), "no `{part}` in {text}");
+    }
+    // A modifier is an element of the class of the component.
+    let hover = editor.at("textDocument/hover", "s_max", 1);
+    assert!(hover["contents"]["value"].to_string().contains("StopMass.mo"), "{hover}");
+    let hover = editor.at("textDocument/hover", "spool.flange", 8);
+    assert!(hover["contents"]["value"].to_string().contains("flange"), "{hover}");
+    let place = editor.at("textDocument/definition", "spool.flange", 1);
+    assert_eq!(
+        (&place["uri"], &place["range"]["start"]["line"]),
+        (&json!(editor.address), &json!(3))
+    );
+    let place = editor.at("textDocument/definition", "StopMass", 2);
+    let path = place["uri"].as_str().expect("an address").strip_prefix("file://").expect("a file");
+    assert!(
+        std::fs::read_to_string(Path::new(path)).is_ok_and(|text| text.contains("model StopMass"))
+    );
+    let places = editor.at("textDocument/references", "magnet(f", 1);
+    assert_eq!(places.as_array().map(Vec::len), Some(2), "{places}");
+    let at = editor.text.find("magnet(f").expect("it");
+    let rename = |new: &str, editor: &Editor| json!({ "textDocument": { "uri": editor.address }, "position": editor.place(at), "newName": new });
+    let wanted = rename("coil", &editor);
+    let edits = editor.ask("textDocument/rename", wanted);
+    let edits = edits["changes"][editor.address.as_str()].clone();
+    assert_eq!(edits.as_array().map(Vec::len), Some(2), "{edits}");
+    let wanted = rename("7", &editor);
+    let reply = editor.reply("textDocument/rename", wanted);
+    assert_eq!(reply["error"]["message"], "`7` is not a name");
+    editor.close();
+}
+
+#[test]
+fn completion_knows_members_modifiers_and_classes() {
+    let mut editor = Editor::open(MODEL);
+    let labels = |items: &Value| -> Vec<String> {
+        let items = items.as_array().expect("a list").iter();
+        items.map(|i| i["label"].as_str().expect("a label").to_owned()).collect()
+    };
+    let has = |items: &Value, name: &str| labels(items).iter().any(|label| label == name);
+    let items = editor.at("textDocument/completion", "spool.flange", 6);
+    assert!(
+        has(&items, "flange") && has(&items, "s") && !has(&items, "model"),
+        "{:?}",
+        labels(&items)
+    );
+    let items = editor.at("textDocument/completion", "Translational.Force", 14);
+    assert!(has(&items, "Spring") && has(&items, "StopMass"), "{:?}", labels(&items));
+    let items = editor.at("textDocument/completion", "(m = 0.03", 1);
+    let first = &items[0];
+    assert_eq!(
+        (&first["insertText"], has(&items, "s_max")),
+        (&json!("m = "), true),
+        "{:?}",
+        labels(&items)
+    );
+    let items = editor.at("textDocument/completion", "connect(", 0);
+    for name in ["spool", "F", "Translational", "connect"] {
+        assert!(has(&items, name), "no {name} in {:?}", labels(&items));
+    }
+    // An unfinished name does not hide the rest.
+    editor.edit("equation\n", "equation\n  spool.\n");
+    let items = editor.at("textDocument/completion", "  spool.\n", 8);
+    assert!(has(&items, "flange"), "{:?}", labels(&items));
+    editor.close();
+}
+
+#[test]
+fn the_whole_text_is_formatted_outlined_folded_and_coloured() {
+    let mut editor = Editor::open(&MODEL.replace("  connect(", "connect( "));
+    let edits = editor.of_document("textDocument/formatting");
+    assert_eq!(edits[0]["newText"], MODEL, "{edits}");
+    let outline = editor.of_document("textDocument/documentSymbol");
+    assert_eq!(
+        (&outline[0]["name"], &outline[0]["detail"]),
+        (&json!("Push"), &json!("A force pushes a mass"))
+    );
+    let names: Vec<&str> = outline[0]["children"]
+        .as_array()
+        .expect("children")
+        .iter()
+        .filter_map(|c| c["name"].as_str())
+        .collect();
+    assert_eq!(names, ["F", "magnet", "spool"]);
+    let folds = editor.of_document("textDocument/foldingRange");
+    assert_eq!((&folds[0]["startLine"], &folds[0]["endLine"]), (&json!(0), &json!(6)));
+    let tokens = editor.of_document("textDocument/semanticTokens/full");
+    let data: Vec<u64> =
+        tokens["data"].as_array().expect("data").iter().filter_map(Value::as_u64).collect();
+    // `model`, a keyword, and `Push`, a type.
+    assert_eq!(data[..10], [0, 0, 5, 0, 0, 0, 6, 4, 1, 0]);
+    assert_eq!(data.len() % 5, 0);
+    let reply =
+        editor.reply("textDocument/moniker", json!({ "textDocument": { "uri": editor.address } }));
+    assert_eq!(reply["error"]["code"], -32601);
+    editor.close();
+}

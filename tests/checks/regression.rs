@@ -1,0 +1,241 @@
+//! `mocc test` and `mocc compare`, as a user runs them.
+
+use std::fs;
+use std::path::Path;
+
+use super::door::Scratch;
+use super::program::{Ended, mocc};
+
+/// A ramp that a switch starts, and a wave.
+const MODEL: &str = "model Ramp
+  parameter Real t_on = 0.3;
+  parameter Real gain = 1;
+  Real x(start = 0, fixed = true);
+  Real y = gain*sin(7*time);
+  Boolean on = time >= t_on;
+equation
+  der(x) = if on then gain else 0;
+  annotation(experiment(StopTime = 1, Interval = 0.01));
+end Ramp;
+";
+
+const TESTS: &str = "[[test]]
+name = \"all\"
+flat = true
+blocks = true
+events = { time = 1e-3 }
+traces = { variables = [\"x\", \"y\"], time = 1e-3 }
+diagnostics = []
+
+[test.measures]
+t_half = { is = \"when(x > 0.5)\", min = \"0.79 s\", max = \"810 ms\" }
+";
+
+fn project() -> Scratch {
+    let folder = Scratch::new();
+    folder.file("ramp.mo", MODEL);
+    folder.file("ramp.test.toml", TESTS);
+    folder
+}
+
+fn accepted() -> Scratch {
+    let folder = project();
+    let ended = mocc(folder.path(), &["test", "--update"]);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{}", ended.out);
+    folder
+}
+
+fn edited(folder: &Scratch, old: &str, new: &str) {
+    assert_eq!(MODEL.matches(old).count(), 1, "{old}");
+    folder.file("ramp.mo", &MODEL.replace(old, new));
+}
+
+fn test(folder: &Scratch, more: &[&str]) -> Ended {
+    let mut all = vec!["test"];
+    all.extend(more);
+    mocc(folder.path(), &all)
+}
+
+fn read(folder: &Path, name: &str) -> String {
+    fs::read_to_string(folder.join(name)).unwrap_or_else(|why| panic!("{name}: {why}"))
+}
+
+#[test]
+fn a_snapshot_is_missing_until_it_is_accepted() {
+    let folder = project();
+    let ended = test(&folder, &[]);
+    assert_eq!(ended.status, 1);
+    assert_eq!(ended.out.matches("there is no snapshot").count(), 4, "{}", ended.out);
+    let ended = test(&folder, &["--update"]);
+    assert_eq!(ended.status, 0, "{}", ended.out);
+    assert!(ended.out.contains("1 passed, 0 failed, 4 snapshots written"), "{}", ended.out);
+    assert_eq!(
+        read(folder.path(), "ramp.test/all.events.txt"),
+        "0.300000000 s: time >= t_on became true\n"
+    );
+    let ended = test(&folder, &[]);
+    assert_eq!(ended.status, 0, "{}", ended.out);
+    // The reference has few rows: a ramp needs its corners, and 7 rad of a sine a few dozen.
+    let rows = read(folder.path(), "ramp.test/all.traces.csv").lines().count();
+    assert!((20..101).contains(&rows), "{rows} rows");
+}
+
+#[test]
+fn a_trace_that_is_off_by_one_percent_fails() {
+    let folder = accepted();
+    edited(&folder, "y = gain*sin", "y = 1.01*gain*sin");
+    let ended = test(&folder, &[]);
+    assert_eq!(ended.status, 1);
+    assert!(ended.out.contains("traces: `y` is 1.00"), "{}", ended.out);
+    assert!(!ended.out.contains("`x`"), "{}", ended.out);
+    let page = read(folder.path(), "mocc-test.html");
+    assert!(page.contains("this run") && page.contains("<svg"), "the page shows the traces");
+}
+
+#[test]
+fn an_event_may_move_within_its_tolerance() {
+    let folder = accepted();
+    edited(&folder, "t_on = 0.3;", "t_on = 0.3005;");
+    // The flat model is another one; traces and events are the same within a millisecond.
+    let ended = test(&folder, &[]);
+    assert!(ended.out.contains("flat: differs"), "{}", ended.out);
+    assert!(!ended.out.contains("events:") && !ended.out.contains("traces:"), "{}", ended.out);
+    edited(&folder, "t_on = 0.3;", "t_on = 0.302;");
+    let ended = test(&folder, &[]);
+    let moved = "events: `time >= t_on` happens";
+    assert!(
+        ended.out.contains("became true` happens at 0.302000000 s, not at 0.300000000 s"),
+        "{moved}\n{}",
+        ended.out
+    );
+    assert!(ended.out.contains("traces: `x`"), "{}", ended.out);
+}
+
+#[test]
+fn an_update_shows_the_change_and_writes_only_snapshots() {
+    let folder = accepted();
+    edited(&folder, "gain = 1;", "gain = 1.1;");
+    let before = read(folder.path(), "ramp.test/all.events.txt");
+    let ended = test(&folder, &["--update"]);
+    // The measure is out of its bounds, which no update changes.
+    assert_eq!(ended.status, 1);
+    for part in [
+        "-  parameter Real gain = 1.0",
+        "+  parameter Real gain = 1.1",
+        "measures: `t_half` = 0.7545",
+    ] {
+        assert!(ended.out.contains(part), "no `{part}` in\n{}", ended.out);
+    }
+    assert_eq!(read(folder.path(), "ramp.test/all.events.txt"), before, "it agreed");
+    let files: Vec<String> = fs::read_dir(folder.path().join("ramp.test"))
+        .expect("a folder")
+        .map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    assert_eq!(files.len(), 4, "no temporary file remains: {files:?}");
+}
+
+#[test]
+fn outcomes_are_written_for_programs() {
+    let folder = accepted();
+    folder.file("other.test.toml", "model = \"ramp.mo\"\n[[test]]\nname = \"steep <&>\"\nset = { gain = 2 }\n[test.measures]\nx_end = { is = \"final(x)\", max = 1 }\n");
+    let ended = test(&folder, &["--json", "--junit", "out.xml", "--jobs", "1"]);
+    assert_eq!(ended.status, 1);
+    let json: serde_json::Value = serde_json::from_str(&ended.out).expect("JSON");
+    assert_eq!((json["passed"].as_u64(), json["failed"].as_u64()), (Some(1), Some(1)));
+    assert_eq!(json["tests"][0]["name"], "steep <&>");
+    let message = json["tests"][0]["failures"][0]["message"].as_str().expect("a message");
+    assert!(
+        message.starts_with("`x_end` = 1.4") && message.ends_with("is greater than 1"),
+        "{message}"
+    );
+    let junit = read(folder.path(), "out.xml");
+    for part in [
+        "<testsuites name=\"mocc\" tests=\"2\" failures=\"1\"",
+        "name=\"steep &lt;&amp;&gt;\"",
+        "<failure type=\"measures\"",
+        "<testsuite name=\"ramp.test.toml\" tests=\"1\" failures=\"0\"",
+    ] {
+        assert!(junit.contains(part), "no `{part}` in\n{junit}");
+    }
+    let ended = test(&folder, &["--filter", "ramp.test.toml: a"]);
+    assert_eq!((ended.status, ended.out.lines().count()), (0, 2), "{}", ended.out);
+}
+
+#[test]
+fn results_of_other_programs_are_references() {
+    let folder = project();
+    for name in ["ref.mat", "ref.parquet", "ref.csv"] {
+        let ended = mocc(folder.path(), &["simulate", "ramp.mo", "--output", name]);
+        assert_eq!(ended.status, 0, "{}", ended.err);
+        let tests = format!(
+            "model = \"ramp.mo\"\n[[test]]\nname = \"a\"\ntraces = {{ reference = \"{name}\" }}\n"
+        );
+        folder.file("reference.test.toml", &tests);
+        let ended = test(&folder, &["reference.test.toml"]);
+        assert_eq!(ended.status, 0, "{name}: {}", ended.out);
+        edited(&folder, "y = gain*sin", "y = 1.01*gain*sin");
+        let ended = test(&folder, &["reference.test.toml", "--update"]);
+        assert_eq!(ended.status, 1, "a reference is never accepted: {}", ended.out);
+        assert!(ended.out.contains("traces: `y` is"), "{name}: {}", ended.out);
+        folder.file("ramp.mo", MODEL);
+    }
+    let compare = |more: &[&str]| {
+        let mut all = vec!["compare"];
+        all.extend(more);
+        mocc(folder.path(), &all)
+    };
+    let ended = compare(&["ref.mat", "ref.parquet"]);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{}", ended.out);
+    mocc(folder.path(), &["simulate", "ramp.mo", "--set", "gain=1.01", "--output", "off.csv"]);
+    let ended = compare(&["off.csv", "ref.mat", "--plot", "off.svg"]);
+    assert_eq!(ended.status, 1);
+    assert!(ended.out.contains("`x` is") && ended.out.contains("`y` is"), "{}", ended.out);
+    assert!(folder.path().join("off.svg").exists());
+    assert_eq!(compare(&["off.csv", "ref.mat", "--relative", "0.02"]).status, 0);
+    let json = compare(&["off.csv", "ref.csv", "--show", "y", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&json.out).expect("JSON");
+    assert_eq!((&json["agree"], &json["differ"][0]["variable"]), (&false.into(), &"y".into()));
+    for (wrong, why) in [
+        (&["none.csv", "ref.csv"][..], "cannot read none.csv"),
+        (&["ref.txt", "ref.csv"], "results can be read from .csv, .parquet or .mat"),
+        (&["ref.csv", "ref.mat", "--show", "z"], "the run has no variable `z`"),
+        (&["ref.csv", "ref.mat", "--relative", "-1"], "not negative"),
+    ] {
+        let ended = compare(wrong);
+        assert_eq!(ended.status, 2, "{wrong:?}");
+        assert!(ended.err.contains(why), "{wrong:?}: {}", ended.err);
+    }
+}
+
+#[test]
+fn wrong_use_has_one_message_and_status_2() {
+    let folder = project();
+    let empty = Scratch::new();
+    let said = |folder: &Scratch, more: &[&str]| {
+        let ended = test(folder, more);
+        assert_eq!((ended.status, ended.out.as_str()), (2, ""), "{more:?}");
+        ended.err
+    };
+    assert_eq!(said(&empty, &[]), "error: there is no test file, NAME.test.toml, in .\n");
+    assert!(said(&folder, &["none"]).starts_with("error: cannot read none: "));
+    assert!(said(&folder, &["ramp.mo"]).contains("ramp.mo is not a test file"));
+    assert_eq!(said(&folder, &["--filter", "zzz"]), "error: no test matches `zzz`; there are 1\n");
+    assert!(said(&folder, &["--jobs", "0"]).contains("--jobs"));
+    assert!(said(&folder, &["--review", "page.txt"]).contains("must end in .html"));
+    folder.file("bad.test.toml", "model = \"ramp.mo\"\n[[test]]\nname = \"a\"\ntrace = true\n");
+    let err = said(&folder, &[]);
+    assert!(
+        err.contains("error[MO1402]: unknown key `trace`")
+            && err.contains("did you mean `traces`?"),
+        "{err}"
+    );
+}
+
+#[test]
+fn snapshots_do_not_depend_on_the_working_directory() {
+    let folder = accepted();
+    let parent = folder.path().parent().expect("a folder");
+    let name = folder.path().file_name().expect("a name").to_string_lossy().into_owned();
+    let ended = mocc(parent, &["test", &name]);
+    assert_eq!(ended.status, 0, "{}", ended.out);
+}

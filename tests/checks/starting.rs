@@ -1,0 +1,261 @@
+//! The first hour: `mocc new`, `mocc plan`, `mocc lib`, pipes, units, completions.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use super::door::Scratch;
+use super::program::{Ended, mocc};
+
+fn done(folder: &Path, arguments: &[&str]) -> Ended {
+    let ended = mocc(folder, arguments);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{arguments:?}\n{}", ended.out);
+    ended
+}
+
+fn refused(folder: &Path, arguments: &[&str]) -> String {
+    let ended = mocc(folder, arguments);
+    assert_eq!(ended.status, 2, "{arguments:?}\n{}{}", ended.out, ended.err);
+    ended.err
+}
+
+/// Runs `mocc` with a text on its standard input.
+fn piped(folder: &Path, arguments: &[&str], input: &str) -> Ended {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_mocc"))
+        .current_dir(folder)
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("mocc starts");
+    child.stdin.take().expect("a pipe").write_all(input.as_bytes()).expect("it reads");
+    let output = child.wait_with_output().expect("it ends");
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
+    let status = output.status.code().expect("no signal");
+    Ended { status, out: text(&output.stdout), err: text(&output.stderr) }
+}
+
+#[test]
+fn every_template_is_a_project_that_runs() {
+    let folder = Scratch::new();
+    for kind in ["valve", "motor", "thermal"] {
+        let name = format!("my_{kind}");
+        let ended = done(folder.path(), &["new", &name, "--template", kind]);
+        assert!(ended.out.contains("mocc.toml"), "{}", ended.out);
+        let project = folder.path().join(&name);
+        let model = format!("{name}.mol");
+        done(&project, &["check", &model]);
+        done(&project, &["fmt", "--check", &model]);
+        done(&project, &["simulate", &model]);
+        let ended = done(&project, &["test"]);
+        assert!(ended.out.contains("3 passed, 0 failed"), "{}", ended.out);
+        let text = fs::read_to_string(project.join(&model)).expect("the model");
+        let title = format!("model My{}{} ", kind[..1].to_uppercase(), &kind[1..]);
+        assert!(text.starts_with(&title), "{}", &text[..40]);
+        // Each file of the README exists.
+        let readme = fs::read_to_string(project.join("README.md")).expect("a README");
+        for file in readme.lines().filter_map(|l| l.strip_prefix("| `")?.split('`').next()) {
+            assert!(project.join(file).exists(), "{name}/{file}");
+        }
+    }
+    let project = folder.path().join("my_motor");
+    let ended = mocc(&project, &["calibrate", "my_motor.toml"]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    assert!(ended.out.contains("converged"), "{}", ended.out);
+    assert!(refused(folder.path(), &["new", "my_motor"]).contains("exists already"));
+    assert!(refused(folder.path(), &["new", "7up"]).contains("a letter first"));
+    assert!(
+        refused(folder.path(), &["new", "x", "--template", "boat"])
+            .contains("valve, motor, thermal")
+    );
+}
+
+#[test]
+fn a_plan_is_guessed_and_calibrates() {
+    let folder = Scratch::new();
+    for kind in ["motor", "thermal"] {
+        done(folder.path(), &["new", kind, "--template", kind]);
+        let project = folder.path().join(kind);
+        let model = format!("{kind}.mol");
+        done(&project, &["plan", &model, "recordings", "--output", "guess.toml"]);
+        let plan = fs::read_to_string(project.join("guess.toml")).expect("a plan");
+        assert!(!plan.contains('?'), "everything is recognised:\n{plan}");
+        for part in ["table = \"experiments.csv\"", "split = \"split\"", "[conditions]", "[free]"] {
+            assert!(plan.contains(part), "no `{part}` in\n{plan}");
+        }
+        let ended = mocc(&project, &["calibrate", "guess.toml", "--no-profiles"]);
+        assert_eq!(ended.status, 0, "{}\n{plan}", ended.err);
+    }
+    let motor = folder.path().join("motor");
+    assert!(refused(&motor, &["plan", "motor.mol", "none"]).contains("cannot read none"));
+    assert!(refused(&motor, &["plan", "motor.mol", "."]).contains("there is no recording"));
+    let err = refused(&motor, &["plan", "motor.mol", "recordings", "--output", "motor.toml"]);
+    assert!(err.contains("exists already"), "{err}");
+}
+
+#[test]
+fn the_library_can_be_listed_read_and_copied() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    let ended = done(path, &["lib", "list"]);
+    assert!(
+        ended.out.lines().any(|l| l.starts_with("Seals ") && l.contains("package")),
+        "{}",
+        ended.out
+    );
+    let ended = done(path, &["lib", "list", "Seals"]);
+    assert!(
+        ended.out.contains("Seals.FlowSeal") && ended.out.contains("Seal at a control edge"),
+        "{}",
+        ended.out
+    );
+    let ended = done(path, &["lib", "show", "Seals.FlowSeal"]);
+    assert!(
+        ended.out.starts_with("// lib/Seals/FlowSeal.mo:1\nwithin Seals;\nmodel FlowSeal"),
+        "{}",
+        ended.out
+    );
+    let ended = done(path, &["lib", "show", "Units.Temperature"]);
+    assert!(ended.out.lines().count() < 5 && ended.out.contains("unit = \"K\""), "{}", ended.out);
+    done(path, &["lib", "copy", "copied"]);
+    let copied = fs::read_to_string(path.join("copied/Seals/FlowSeal.mo")).expect("a copy");
+    let own =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("lib/Seals/FlowSeal.mo"));
+    assert_eq!(Some(copied), own.ok());
+    assert!(refused(path, &["lib", "copy", "copied"]).contains("exists already"));
+    assert!(
+        refused(path, &["lib", "show", "Seals.FlowSea"]).contains("did you mean `Seals.FlowSeal`?")
+    );
+    assert!(refused(path, &["lib", "list", "--lib", "none"]).contains("there is no folder `none`"));
+}
+
+#[test]
+fn settings_of_a_project_name_libraries() {
+    let folder = Scratch::new();
+    folder.file("lib/Own/package.mo", "package Own\n  constant Real two = 2;\nend Own;\n");
+    folder.file("models/m.mo", "model M\n  Real x = Own.two*time;\nend M;\n");
+    assert_eq!(mocc(folder.path(), &["check", "models/m.mo"]).status, 1);
+    folder.file("mocc.toml", "libraries = [\"lib\"]\n");
+    done(folder.path(), &["check", "models/m.mo"]);
+    folder.file("mocc.toml", "librarie = [\"lib\"]\n");
+    let err = refused(folder.path(), &["check", "models/m.mo"]);
+    assert!(err.contains("error[MO1402]") && err.contains("did you mean `libraries`?"), "{err}");
+}
+
+const DECAY: &str = "model Decay
+  parameter Real p(unit = \"Pa\") = 2e5;
+  Real q(unit = \"Pa\", start = p, fixed = true);
+equation
+  der(q) = -q;
+end Decay;
+";
+
+#[test]
+fn models_and_results_go_through_pipes() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    let ended = piped(path, &["simulate", "-", "--output", "-", "--quiet"], DECAY);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+    let mut lines = ended.out.lines();
+    assert_eq!(lines.next(), Some("time,q,der(q)"));
+    assert_eq!(lines.next(), Some("0.0,200000.0,-200000.0"));
+    let mat = piped(path, &["simulate", "-", "--output", "-", "--format", "csv"], DECAY);
+    assert!(mat.err.starts_with("Decay: 1 states"), "the summary is no result: {}", mat.err);
+    assert_eq!(piped(path, &["check", "-"], DECAY).status, 0);
+    assert!(piped(path, &["flatten", "-"], DECAY).out.starts_with("model Decay"));
+    let ended = piped(path, &["check", "-"], &DECAY.replace("-q;", "-r;"));
+    assert!(ended.status == 1 && ended.err.contains("stdin.mo:5"), "{}", ended.err);
+    let ended = piped(path, &["fmt", "-"], "model A\nReal x=1;\nend A;\n");
+    assert_eq!((ended.status, ended.out.as_str()), (0, "model A\n  Real x = 1;\nend A;\n"));
+    let drawn = piped(path, &["plot", "-", "--output", "p.svg"], "t,a,b\n0,1,2\n1,2,5\n");
+    assert_eq!(drawn.status, 0, "{}", drawn.err);
+    assert!(path.join("p.svg").exists());
+    let err = piped(path, &["simulate", "-", "--output", "-", "--format", "xls"], DECAY).err;
+    assert!(err.contains(".csv, .parquet or .mat"), "{err}");
+    assert_eq!(fs::read_dir(path).expect("a folder").count(), 1, "pipes leave no files");
+}
+
+#[test]
+fn a_table_alone_is_drawn() {
+    let folder = Scratch::new();
+    folder.file("run.csv", "time,part.z,a,constant,b\n0,1,1,7,2\n1,2,2,7,5\n");
+    let ended = done(folder.path(), &["plot", "run.csv"]);
+    assert_eq!(ended.out, "wrote run.svg\n");
+    let svg = fs::read_to_string(folder.path().join("run.svg")).expect("a picture");
+    let has = |label: &str| svg.lines().any(|l| l.trim() == label);
+    assert!(has("a") && has("b") && has("time"), "{svg}");
+    assert!(!has("constant") && !has("part.z"), "{svg}");
+    done(folder.path(), &["plot", "run.csv", "--x", "a", "--y", "part.z", "--output", "over.svg"]);
+    assert!(
+        refused(folder.path(), &["plot", "run.csv", "--output", "x.pdf"]).contains(".svg or .png")
+    );
+}
+
+#[test]
+fn values_have_units() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    folder.file("decay.mo", DECAY);
+    done(
+        path,
+        &["simulate", "decay.mo", "--set", "p=3 bar", "--unit", "q=mbar", "--output", "r.csv"],
+    );
+    let table = fs::read_to_string(path.join("r.csv")).expect("a table");
+    assert!(table.lines().nth(1).expect("a row").starts_with("0.0,3000.0,-300000.0"), "{table}");
+    let run = |more: &[&str]| {
+        let mut all = vec!["simulate", "decay.mo", "--output", "r.csv"];
+        all.extend(more);
+        refused(path, &all)
+    };
+    assert!(run(&["--set", "p=3 baar"]).contains("error[MO1410]: unknown unit `baar`"));
+    assert!(run(&["--set", "p=3 mm"]).contains("error[MO1411]: cannot convert `mm` to `Pa`"));
+    assert!(run(&["--unit", "q=mm"]).contains("`q` is in `Pa`, which `mm` does not measure"));
+    assert!(run(&["--unit", "qq=bar"]).contains("no variable `qq`"));
+    assert!(run(&["--unit", "q"]).contains("NAME=UNIT"));
+}
+
+#[test]
+fn a_run_is_summarised_for_programs() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    folder.file("decay.mo", DECAY);
+    let ended = done(path, &["simulate", "decay.mo", "--json", "--measure", "t = when(q < 1e5)"]);
+    let json: serde_json::Value = serde_json::from_str(&ended.out).expect("JSON");
+    assert_eq!(
+        (&json["model"], &json["end"], &json["states"]),
+        (&"Decay".into(), &1.0.into(), &1.into())
+    );
+    let t = json["measures"]["t"]["value"].as_f64().expect("a time");
+    assert!((t - f64::ln(2.0)).abs() < 1e-5, "{t}");
+    assert_eq!(json["files"][0], "decay.csv");
+    assert!(json["statistics"]["steps"].as_u64().is_some_and(|n| n > 3), "{json}");
+    let quiet = done(path, &["simulate", "decay.mo", "-q", "--measure", "e = final(q)"]);
+    assert!(quiet.out.starts_with("  e = ") && quiet.out.lines().count() == 1, "{}", quiet.out);
+    let verbose = done(path, &["simulate", "decay.mo", "-v"]);
+    assert!(
+        verbose.out.contains("  flatten: ") && verbose.out.contains("  codegen: "),
+        "{}",
+        verbose.out
+    );
+    assert!(refused(path, &["simulate", "decay.mo", "-q", "-v"]).contains("cannot be used with"));
+    for (flag, name) in [("--plot", "a.pdf"), ("--output", "a.xls")] {
+        refused(path, &["simulate", "decay.mo", flag, name]);
+    }
+    assert!(refused(path, &["report", "decay.mo", "--output", "page.txt"]).contains(".html"));
+}
+
+#[test]
+fn shells_and_man_know_the_commands() {
+    let folder = Scratch::new();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let ended = done(folder.path(), &["completions", shell]);
+        assert!(ended.out.contains("simulate") && ended.out.contains("linearize"), "{shell}");
+    }
+    refused(folder.path(), &["completions", "cmd"]);
+    done(folder.path(), &["man", "man1"]);
+    let page = fs::read_to_string(folder.path().join("man1/mocc-simulate.1")).expect("a page");
+    assert!(page.contains("tolerance") && page.contains(".TH mocc"), "{page}");
+    assert!(folder.path().join("man1/mocc-lib-show.1").exists());
+}
