@@ -140,9 +140,8 @@ impl Evaluator<'_> {
             Refusal::Wrong(why) => CallCause::ExternalFailed { function, why },
             Refusal::Unknown => CallCause::UnknownExternal { function },
         };
-        self.problems.push(
-            Diagnostic::new(cause, span).also(external.span, "declared external here"),
-        );
+        self.problems
+            .push(Diagnostic::new(cause, span).also(external.span, "declared external here"));
     }
 
     fn local_value(&self, wanted: Name) -> Option<Value> {

@@ -190,9 +190,8 @@ impl Evaluator<'_> {
                 let value = self.binary_operator(*op, a_value?, b_value?, e.span)?;
                 let is_product = matches!(op, ast::BinaryOp::Mul | ast::BinaryOp::ElementMul);
                 if is_product && [a, b].into_iter().any(|e| self.is_actual_stream(e)) {
-                    return value.map(|v| {
-                        v.scalar().map(|e| Value::Scalar(self.graph.smooth(0, e)))
-                    });
+                    return value
+                        .map(|v| v.scalar().map(|e| Value::Scalar(self.graph.smooth(0, e))));
                 }
                 Some(value)
             }

@@ -1,11 +1,11 @@
 //! Writes the result of the index reduction back into the system of equations.
 
+use super::function_derivative::FunctionDerivatives;
 use crate::base::index::{Id, IndexVec};
 use crate::graph::bipartite::{Col, Row};
 use crate::graph::pantelides::Reduction;
 use crate::ir::dae::{Dae, EqId, Equation, Variable, VariableKind};
 use crate::ir::expr::{ExprId, Graph, VarId};
-use super::function_derivative::FunctionDerivatives;
 use crate::symbolic::gradient::{Leaf, time_derivative_through};
 
 /// Appends the derivative variables and differentiated equations of a reduction, whose rows are the

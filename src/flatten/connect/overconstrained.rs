@@ -110,8 +110,9 @@ fn add_call(
             let by_name = named.iter().find(|(n, _)| n.name == "priority").map(|(_, e)| e);
             let priority = match args.get(1).or(by_name) {
                 Some(e) => {
-                    let value =
-                        cx.with_frames(&written.frames, |cx| cx.fold(e, written.scope))?.scalar()?;
+                    let value = cx
+                        .with_frames(&written.frames, |cx| cx.fold(e, written.scope))?
+                        .scalar()?;
                     cx.graph.as_const(value).and_then(Const::number)? as i64
                 }
                 None => 0,

@@ -78,11 +78,8 @@ fn mixture(
     members: &[SetMember],
     target: SetMember,
 ) -> ExprId {
-    let others: Vec<Inflow> = members
-        .iter()
-        .filter(|m| **m != target)
-        .filter_map(|m| inflow(cx, flat, *m))
-        .collect();
+    let others: Vec<Inflow> =
+        members.iter().filter(|m| **m != target).filter_map(|m| inflow(cx, flat, *m)).collect();
     let supplying: Vec<Inflow> = others.iter().copied().filter(|i| i.may_supply).collect();
     match (supplying.as_slice(), others.first()) {
         ([only], _) => only.value,
@@ -166,4 +163,3 @@ pub(in crate::flatten) fn add_variable(flat: &mut FlatModel, stream: VarId) {
     (variable.min, variable.max) = (of.min, of.max);
     (variable.unit, variable.display_unit) = (of.unit, of.display_unit);
 }
-

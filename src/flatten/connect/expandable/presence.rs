@@ -1,9 +1,9 @@
 //! Presence of the variables of expandable connectors: a variable exists if a connection refers to
 //! it, and a variable that is read needs a source (Modelica 3.6, section 9.1.3).
 
-use super::connection_ends::{BusMember, ConnectionEnd, EndTarget, is_unfilled};
 use super::super::written::{WrittenConnect, pairs};
 use super::AugmentationSets;
+use super::connection_ends::{BusMember, ConnectionEnd, EndTarget, is_unfilled};
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
