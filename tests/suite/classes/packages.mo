@@ -1,5 +1,5 @@
-
 //@ case constants_by_inherited_functions
+//@ run stop=1
 // The value of an inherited constant calls a function of the base, which reads a constant that only
 // the extending package sets, and one that it redeclares.
 package Media
