@@ -458,7 +458,7 @@ impl ClassGraph<'_> {
             // The same element inherited twice is one element (section 7.1).
             if let Some(&at) = table.index.get(&entry.name.name) {
                 let before = &table.entries[at];
-                // What the clause modifies of an element may be all in which it differs.
+                // Elements may differ in nothing but what a clause modifies.
                 let is_modified = |layers: &[(Arc<ast::Modification>, ClassId)]| {
                     layers.iter().any(|(m, _)| m.names().any(|n| n.name == entry.name.name))
                 };

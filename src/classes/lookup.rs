@@ -62,10 +62,8 @@ impl ClassGraph<'_> {
         let mut instance = scope.instance;
         let mut own = true;
         loop {
-            let seen_in = match own {
-                false => self.extending_package(class, instance, wanted).unwrap_or(class),
-                true => class,
-            };
+            // The value of a constant that a package inherits sees what the package redeclares.
+            let seen_in = self.extending_package(class, instance, wanted).unwrap_or(class);
             if let Some(c) = self.member_class(seen_in, wanted, instance) {
                 return Some(Found::Class(c));
             }

@@ -21,7 +21,7 @@ pub struct ConnectionGraph {
     pub potential_roots: Vec<(usize, i64)>,
 }
 
-/// What becomes of a breakable edge.
+/// The outcome for a breakable edge.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Fate {
     /// It is part of the forest.

@@ -14,7 +14,7 @@ pub fn differentiate(
     dae: &mut Dae,
     unknowns: &IndexVec<Col, VarId>,
     reduction: &Reduction,
-    functions: &FunctionDerivatives,
+    functions: &mut FunctionDerivatives,
 ) -> IndexVec<Col, VarId> {
     let mut variable = unknowns.clone();
     let mut integral = IndexVec::filled(None, reduction.derivative.len());
@@ -49,7 +49,9 @@ pub fn differentiate(
 }
 
 /// The time derivative of an equation. Discrete variables do not change between events.
-fn derivative(dae: &mut Dae, of: EqId, functions: &FunctionDerivatives) -> Equation {
+fn derivative(dae: &mut Dae, of: EqId, functions: &mut FunctionDerivatives) -> Equation {
+    // An equation that was differentiated already calls functions of derivatives.
+    functions.add(dae, of);
     let Equation { lhs, rhs, residual, origin, .. } = dae.equations[of].clone();
     let Dae { graph, variables, .. } = dae;
     let [lhs, rhs, residual] = [lhs, rhs, residual].map(|e| {

@@ -90,7 +90,7 @@ fn reduce_with(
         problems.push(error::dependent(dae, &constraints));
         return None;
     }
-    let columns = apply::differentiate(dae, &system.unknowns, &reduction, &functions);
+    let columns = apply::differentiate(dae, &system.unknowns, &reduction, &mut functions);
     let mut is_state = IndexVec::filled(false, dae.variables.len());
     for &col in &choice.states {
         is_state[columns[col]] = true;

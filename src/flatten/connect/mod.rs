@@ -35,7 +35,7 @@ pub struct Connections {
     streams: ConnectionSets,
     /// Connections of overdetermined variables that close a cycle.
     broken: BrokenConnections,
-    /// What is zero in the place of these connections.
+    /// The residuals that are zero in the place of these connections.
     residuals: Vec<(ExprId, Origin)>,
     /// Assertions that connected parameters are equal.
     equalities: Vec<(Assert, Origin)>,

@@ -71,7 +71,7 @@ impl Connections {
     }
 }
 
-/// What flows to `target` out of the connection.
+/// The stream that flows to `target` out of the connection.
 fn mixture(
     cx: &mut Evaluator<'_>,
     flat: &FlatModel,

@@ -150,14 +150,19 @@ package Ring
     p.i + n.i = 0;
     p.v - n.v = R*p.i + V;
   end Part;
+  model Ground
+    Pin p(v = 0);
+  equation
+    Connections.potentialRoot(p.reference, 9);
+  end Ground;
   model Circuit
     Part first(priority = 3, V = 6), second(priority = 1), third(priority = 2);
-    Real ground = first.p.v;
+    Ground ground;
   equation
     connect(first.n, second.p);
     connect(second.n, third.p);
     connect(third.n, first.p);
-    first.p.v = 0;
+    connect(ground.p, first.p);
   end Circuit;
 end Ring;
 //@ expect first.p.reference.gamma, third.n.reference.gamma = 1 + 1, 1 + 1
@@ -245,12 +250,12 @@ package Wrong
   model Part
     Pin p, n;
   equation
-    //@ warning[MO0352] 5-47
+    //@ warning[MO0352] 5-48
     Connections.branch(p.reference, n.reference);
     p.reference.gamma = n.reference.gamma;
     p.i + n.i = 0;
     p.v - n.v = p.i;
-    //@ error[MO0351] 5-47
+    //@ error[MO0351] 5-48
     Connections.branch(n.reference, p.reference);
     //@ error[MO0350] 22-24
     Connections.root(p.v);

@@ -73,12 +73,12 @@ package Nested
     connect(port, second.port);
     connect(third.port, port);
   end Box;
-  model Outer
+  model Shell
     Port port;
     Box box;
   equation
     connect(box.port, port);
-  end Outer;
+  end Shell;
   model Ambient
     Port port(p = 1);
     Real h_in = inStream(port.h_outflow);
@@ -87,16 +87,16 @@ package Nested
     port.X_outflow = {0.3, 0.7};
   end Ambient;
   model System
-    Outer outer;
+    Shell shell;
     Ambient ambient;
   equation
-    connect(outer.port, ambient.port);
+    connect(shell.port, ambient.port);
   end System;
 end Nested;
 // 5 flow out of the second, 2 into the first, 1 into the third, 2 into the ambient.
-//@ expect ambient.h_in, outer.port.m_flow = 40, -2 abs 1e-12
-//@ expect outer.box.first.h_in, outer.box.third.h_in = 40, 40 abs 1e-12
-//@ expect outer.box.first.X_in[1], outer.box.first.X_in[2] = 0.4, 0.6 abs 1e-12
+//@ expect ambient.h_in, shell.port.m_flow = 40, -2 abs 1e-12
+//@ expect shell.box.first.h_in, shell.box.third.h_in = 40, 40 abs 1e-12
+//@ expect shell.box.first.X_in[1], shell.box.first.X_in[2] = 0.4, 0.6 abs 1e-12
 
 //@ case reversal
 //@ run stop=6.283185307179586 tolerance=1e-9
