@@ -309,9 +309,10 @@ fn of_type(s: &Scalar, d: &Description<'_>) -> Vec<(&'static str, String)> {
 }
 
 fn second(x: &mut Xml, d: &Description<'_>) {
-    // Positions count from 1; time comes first.
-    let mut position = 1;
-    let mut positions: Vec<(u32, usize)> = vec![(0, 1)];
+    // Positions count from 1. Time is not listed: FMI 2 does not ask for it, and some importers ask it for a start
+    // value.
+    let mut position = 0;
+    let mut positions: Vec<(u32, usize)> = Vec::new();
     for s in d.scalars {
         position += 1;
         positions.push((s.reference, position));
@@ -320,17 +321,6 @@ fn second(x: &mut Xml, d: &Description<'_>) {
     let positions: std::collections::BTreeMap<u32, usize> = positions.into_iter().collect();
     let at = |reference: u32| positions.get(&reference).copied().unwrap_or(0).to_string();
     x.open("ModelVariables", &[]);
-    x.open(
-        "ScalarVariable",
-        &[
-            ("name", "time"),
-            ("valueReference", "0"),
-            ("causality", "independent"),
-            ("variability", "continuous"),
-        ],
-    );
-    x.empty("Real", &[]);
-    x.close("ScalarVariable");
     for s in d.scalars {
         let reference = s.reference.to_string();
         let element = match s.ty {
