@@ -41,7 +41,7 @@ pub fn export(
     program: &Program,
     causalities: &[(String, Causality)],
     order: &Order<'_>,
-) -> Result<(Vec<u8>, Option<Diagnostic>), Diagnostic> {
+) -> Result<(Vec<u8>, Option<Diagnostic>), Box<Diagnostic>> {
     let model = program.blocks.dae.name.clone();
     let varies = !program.state_sets.is_empty();
     let mut warning = None;
@@ -52,14 +52,15 @@ pub fn export(
         };
         let diagnostic = Diagnostic::new(cause, Span::NONE);
         if !order.stepping {
-            return Err(diagnostic);
+            return Err(Box::new(diagnostic));
         }
         warning = Some(diagnostic);
     }
     for function in program.externals().all() {
         if !transfer::write(&**function, &mut Vec::new()) {
             let name = function.signature().name.to_owned();
-            return Err(Diagnostic::new(FmuCause::NotTransferable { name }, Span::NONE));
+            let cause = FmuCause::NotTransferable { name };
+            return Err(Box::new(Diagnostic::new(cause, Span::NONE)));
         }
     }
     let reduced = disclosed(program, order.with_source);
