@@ -1,6 +1,7 @@
 //! FMI 3.0.2.
 
-#![allow(non_snake_case)]
+// The names and the numbers of arguments are those of the standard.
+#![allow(non_snake_case, clippy::too_many_arguments)]
 
 use std::ffi::{c_char, c_int, c_void};
 

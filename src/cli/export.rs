@@ -88,12 +88,13 @@ fn refused(diagnostic: &Diagnostic) -> Status {
     Status::Usage
 }
 
-fn file_problem(path: &std::path::Path, why: String) -> Diagnostic {
-    Diagnostic::new(FmuCause::FileOfFmu { path: path.display().to_string(), why }, Span::NONE)
+fn file_problem(path: &std::path::Path, why: String) -> Box<Diagnostic> {
+    let cause = FmuCause::FileOfFmu { path: path.display().to_string(), why };
+    Box::new(Diagnostic::new(cause, Span::NONE))
 }
 
 /// The shared library and where it was found: where the user says, or next to this program.
-fn runtime(options: &ExportFmu) -> Result<(Vec<u8>, PathBuf), Diagnostic> {
+fn runtime(options: &ExportFmu) -> Result<(Vec<u8>, PathBuf), Box<Diagnostic>> {
     if let Some(path) = &options.runtime {
         let read = read_library(path);
         return read
@@ -114,7 +115,8 @@ fn runtime(options: &ExportFmu) -> Result<(Vec<u8>, PathBuf), Diagnostic> {
         }
     }
     let looked: Vec<String> = places.iter().map(|p| format!("`{}`", p.display())).collect();
-    Err(Diagnostic::new(FmuCause::NoRuntime { looked: looked.join(", ") }, Span::NONE))
+    let cause = FmuCause::NoRuntime { looked: looked.join(", ") };
+    Err(Box::new(Diagnostic::new(cause, Span::NONE)))
 }
 
 /// The user's own sources: those of the shipped library are in every mocc.

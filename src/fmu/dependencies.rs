@@ -14,14 +14,44 @@ pub struct Dependencies {
 impl Dependencies {
     /// Traces the knowns, slots, through the continuous tapes.
     pub fn trace(program: &Program, knowns: &[Slot]) -> Self {
+        let mut traced = Dependencies::from(program, knowns);
+        traced.pass_continuous(program);
+        traced
+    }
+
+    /// Traces the knowns, slots, through the initialization.
+    pub fn trace_initial(program: &Program, knowns: &[Slot]) -> Self {
+        let mut traced = Dependencies::from(program, knowns);
+        traced.pass(program, &program.tapes.parameters);
+        for (v, _, start) in &program.layout.starts {
+            traced.add(program.slot(*v), *start);
+        }
+        // What is read before it is computed, such as `pre` and relations, takes a second pass.
+        for _ in 0..2 {
+            for (_, slot, pre) in &program.layout.pre {
+                traced.add(*pre, *slot);
+            }
+            traced.pass(program, &program.tapes.initial);
+            traced.pass(program, &program.tapes.event);
+            traced.pass(program, &program.tapes.discrete);
+            traced.pass_continuous(program);
+        }
+        traced
+    }
+
+    fn pass_continuous(&mut self, program: &Program) {
+        let tapes = &program.tapes;
+        for tape in [&tapes.rhs, &tapes.roots, &tapes.outputs] {
+            self.pass(program, tape);
+        }
+    }
+
+    /// Sets in which each known has itself only.
+    fn from(program: &Program, knowns: &[Slot]) -> Self {
         let words = knowns.len().div_ceil(64).max(1);
         let mut traced = Dependencies { words, sets: vec![0; words * program.image.len()] };
         for (k, slot) in knowns.iter().enumerate() {
             traced.sets[*slot as usize * words + k / 64] |= 1 << (k % 64);
-        }
-        let tapes = &program.tapes;
-        for tape in [&tapes.rhs, &tapes.roots, &tapes.outputs] {
-            traced.pass(program, tape);
         }
         traced
     }

@@ -38,6 +38,8 @@ pub struct Description<'a> {
     pub indicators: usize,
     /// For outputs and derivatives, by value reference, the value references that they depend on.
     pub dependencies: &'a [(u32, Vec<u32>)],
+    /// The same for unknowns of the initialization.
+    pub initial_dependencies: &'a [(u32, Vec<u32>)],
     /// Start, stop and step of the default run, s.
     pub experiment: [f64; 3],
     /// Relative tolerance of the default run.
@@ -307,9 +309,10 @@ fn of_type(s: &Scalar, d: &Description<'_>) -> Vec<(&'static str, String)> {
 }
 
 fn second(x: &mut Xml, d: &Description<'_>) {
-    // Positions count from 1; time comes first.
-    let mut position = 1;
-    let mut positions: Vec<(u32, usize)> = vec![(0, 1)];
+    // Positions count from 1. Time is not listed: FMI 2 does not ask for it, and some importers ask it for a start
+    // value.
+    let mut position = 0;
+    let mut positions: Vec<(u32, usize)> = Vec::new();
     for s in d.scalars {
         position += 1;
         positions.push((s.reference, position));
@@ -318,17 +321,6 @@ fn second(x: &mut Xml, d: &Description<'_>) {
     let positions: std::collections::BTreeMap<u32, usize> = positions.into_iter().collect();
     let at = |reference: u32| positions.get(&reference).copied().unwrap_or(0).to_string();
     x.open("ModelVariables", &[]);
-    x.open(
-        "ScalarVariable",
-        &[
-            ("name", "time"),
-            ("valueReference", "0"),
-            ("causality", "independent"),
-            ("variability", "continuous"),
-        ],
-    );
-    x.empty("Real", &[]);
-    x.close("ScalarVariable");
     for s in d.scalars {
         let reference = s.reference.to_string();
         let element = match s.ty {
@@ -366,10 +358,9 @@ fn second(x: &mut Xml, d: &Description<'_>) {
     }
     x.close("ModelVariables");
     x.open("ModelStructure", &[]);
-    let unknown = |x: &mut Xml, reference: u32, with_dependencies: bool| {
+    let unknown = |x: &mut Xml, reference: u32, dependencies: &[(u32, Vec<u32>)]| {
         let index = at(reference);
-        let found = d.dependencies.iter().find(|(r, _)| *r == reference);
-        match found.filter(|_| with_dependencies) {
+        match dependencies.iter().find(|(r, _)| *r == reference) {
             Some((_, on)) => {
                 let mut on: Vec<usize> =
                     on.iter().filter_map(|r| positions.get(r).copied()).collect();
@@ -380,9 +371,11 @@ fn second(x: &mut Xml, d: &Description<'_>) {
             None => x.empty("Unknown", &[("index", &index)]),
         }
     };
-    x.list("Outputs", outputs(d), |x, s| unknown(x, s.reference, true));
-    x.list("Derivatives", derivatives(d), |x, s| unknown(x, s.reference, true));
-    x.list("InitialUnknowns", initial_unknowns(d), |x, s| unknown(x, s.reference, false));
+    x.list("Outputs", outputs(d), |x, s| unknown(x, s.reference, d.dependencies));
+    x.list("Derivatives", derivatives(d), |x, s| unknown(x, s.reference, d.dependencies));
+    x.list("InitialUnknowns", initial_unknowns(d.scalars), |x, s| {
+        unknown(x, s.reference, d.initial_dependencies);
+    });
     x.close("ModelStructure");
 }
 
@@ -394,7 +387,8 @@ fn derivatives<'a>(d: &Description<'a>) -> Vec<&'a Scalar> {
     d.scalars.iter().filter(|s| s.derivative_of.is_some()).collect()
 }
 
-fn initial_unknowns<'a>(d: &Description<'a>) -> Vec<&'a Scalar> {
+/// The unknowns of the initialization.
+pub fn initial_unknowns(all: &[Scalar]) -> Vec<&Scalar> {
     let is_open = |s: &Scalar| matches!(s.initial, Some(Initial::Approx | Initial::Calculated));
     let is_listed = |s: &Scalar| {
         s.role == Role::Output
@@ -402,7 +396,7 @@ fn initial_unknowns<'a>(d: &Description<'a>) -> Vec<&'a Scalar> {
             || s.is_state
             || s.derivative_of.is_some()
     };
-    d.scalars.iter().filter(|s| is_open(s) && is_listed(s)).collect()
+    all.iter().filter(|s| is_open(s) && is_listed(s)).collect()
 }
 
 fn third(x: &mut Xml, d: &Description<'_>) {
@@ -472,9 +466,9 @@ fn third(x: &mut Xml, d: &Description<'_>) {
     }
     x.close("ModelVariables");
     x.open("ModelStructure", &[]);
-    let unknown = |x: &mut Xml, element: &str, reference: u32| {
+    let unknown = |x: &mut Xml, element: &str, reference: u32, all: &[(u32, Vec<u32>)]| {
         let own = reference.to_string();
-        match d.dependencies.iter().find(|(r, _)| *r == reference) {
+        match all.iter().find(|(r, _)| *r == reference) {
             Some((_, on)) => {
                 let on: Vec<usize> = on.iter().map(|r| *r as usize).collect();
                 let on = joined(&on);
@@ -484,14 +478,13 @@ fn third(x: &mut Xml, d: &Description<'_>) {
         }
     };
     for s in outputs(d) {
-        unknown(x, "Output", s.reference);
+        unknown(x, "Output", s.reference, d.dependencies);
     }
     for s in derivatives(d) {
-        unknown(x, "ContinuousStateDerivative", s.reference);
+        unknown(x, "ContinuousStateDerivative", s.reference, d.dependencies);
     }
-    for s in initial_unknowns(d) {
-        let reference = s.reference.to_string();
-        x.empty("InitialUnknown", &[("valueReference", &reference)]);
+    for s in initial_unknowns(d.scalars) {
+        unknown(x, "InitialUnknown", s.reference, d.initial_dependencies);
     }
     for k in 0..d.indicators {
         let reference = (FIRST_INDICATOR + k as u32).to_string();

@@ -6,18 +6,18 @@
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::external::transfer;
-use crate::ir::expr::Type;
+use crate::ir::expr::{Type, VarId};
 use crate::ir::flat::Causality;
-use crate::ir::program::Program;
+use crate::ir::program::{Program, Slot};
 use crate::simulate::settings::Settings;
 
 use super::archive::pack;
 use super::cause::FmuCause;
 use super::dependencies::Dependencies;
-use super::description::{Description, Version, text};
+use super::description::{Description, Version, initial_unknowns, text};
 use super::disclosure::disclosed;
 use super::exchange::count_indicators;
-use super::interface::{FIRST_DERIVATIVE, Role, Scalar, reference, scalars};
+use super::interface::{FIRST_DERIVATIVE, Initial, Role, Scalar, Varies, reference, scalars};
 use super::package::{FILE, token_of, write};
 
 /// What to make.
@@ -41,7 +41,7 @@ pub fn export(
     program: &Program,
     causalities: &[(String, Causality)],
     order: &Order<'_>,
-) -> Result<(Vec<u8>, Option<Diagnostic>), Diagnostic> {
+) -> Result<(Vec<u8>, Option<Diagnostic>), Box<Diagnostic>> {
     let model = program.blocks.dae.name.clone();
     let varies = !program.state_sets.is_empty();
     let mut warning = None;
@@ -52,14 +52,15 @@ pub fn export(
         };
         let diagnostic = Diagnostic::new(cause, Span::NONE);
         if !order.stepping {
-            return Err(diagnostic);
+            return Err(Box::new(diagnostic));
         }
         warning = Some(diagnostic);
     }
     for function in program.externals().all() {
         if !transfer::write(&**function, &mut Vec::new()) {
             let name = function.signature().name.to_owned();
-            return Err(Diagnostic::new(FmuCause::NotTransferable { name }, Span::NONE));
+            let cause = FmuCause::NotTransferable { name };
+            return Err(Box::new(Diagnostic::new(cause, Span::NONE)));
         }
     }
     let reduced = disclosed(program, order.with_source);
@@ -78,6 +79,7 @@ pub fn export(
         enumerations: program.blocks.dae.graph.enumerations.as_slice(),
         indicators: if varies { 0 } else { count_indicators(program) },
         dependencies: &dependencies(program, &all),
+        initial_dependencies: &initial_dependencies(program, &all),
         experiment: [settings.start, settings.stop, settings.interval],
         tolerance: settings.tolerance,
         differentiable: program.layout.delays.is_empty() && program.layout.transports.is_empty(),
@@ -106,30 +108,64 @@ pub fn identifier(model: &str) -> String {
     if mapped.starts_with(|c: char| c.is_ascii_digit()) { format!("_{mapped}") } else { mapped }
 }
 
+/// The slot of a variable or of a derivative.
+fn slot_of(program: &Program, reference: u32) -> Slot {
+    match reference.checked_sub(FIRST_DERIVATIVE) {
+        Some(k) => program.layout.derivatives[k as usize],
+        None => program.layout.variables[reference as usize - 1],
+    }
+}
+
+/// The slot that the importer sets for an input.
+fn signal(program: &Program, reference: u32) -> Slot {
+    let signals = &program.layout.signals;
+    let own = signals.iter().find(|(v, order, _)| v.0 + 1 == reference && *order == 0);
+    own.map_or_else(|| slot_of(program, reference), |(.., slot)| *slot)
+}
+
 /// For outputs and derivatives the states and inputs that they depend on, by value reference.
 fn dependencies(program: &Program, all: &[Scalar]) -> Vec<(u32, Vec<u32>)> {
     let layout = &program.layout;
-    let signal = |reference: u32| {
-        let signals = &layout.signals;
-        let own = signals.iter().find(|(v, order, _)| v.0 + 1 == reference && *order == 0);
-        own.map_or(layout.variables[reference as usize - 1], |(.., slot)| *slot)
-    };
     let states = program.blocks.states.iter().enumerate();
-    let mut knowns: Vec<(u32, u32)> =
-        states.map(|(k, s)| (reference(s.variable), layout.states + k as u32)).collect();
+    let mut knowns: Vec<(u32, Slot)> =
+        states.map(|(k, s)| (reference(s.variable), layout.states + k as Slot)).collect();
     let inputs = all.iter().filter(|s| s.role == Role::Input && s.ty == Type::Real);
-    knowns.extend(inputs.map(|s| (s.reference, signal(s.reference))));
-    let slots: Vec<u32> = knowns.iter().map(|(_, slot)| *slot).collect();
+    knowns.extend(inputs.map(|s| (s.reference, signal(program, s.reference))));
+    let slots: Vec<Slot> = knowns.iter().map(|(_, slot)| *slot).collect();
     let traced = Dependencies::trace(program, &slots);
     let unknown = |s: &&Scalar| {
         (s.role == Role::Output && s.ty == Type::Real) || s.reference >= FIRST_DERIVATIVE
     };
     let of = |s: &Scalar| {
-        let slot = match s.reference.checked_sub(FIRST_DERIVATIVE) {
-            Some(k) => layout.derivatives[k as usize],
-            None => layout.variables[s.reference as usize - 1],
-        };
+        let slot = slot_of(program, s.reference);
         (s.reference, traced.of(slot).into_iter().map(|k| knowns[k].0).collect())
     };
     all.iter().filter(unknown).map(of).collect()
+}
+
+/// For unknowns of the initialization the parameters, start values and inputs that they depend on.
+fn initial_dependencies(program: &Program, all: &[Scalar]) -> Vec<(u32, Vec<u32>)> {
+    let layout = &program.layout;
+    let known = |s: &Scalar| {
+        let v = VarId(s.reference - 1);
+        let is_set = matches!(s.initial, Some(Initial::Exact | Initial::Approx));
+        let parameter = || layout.parameter_inputs.iter().find(|(p, _)| *p == v).map(|(_, k)| *k);
+        let start = || layout.starts.iter().find(|(p, ..)| *p == v).map(|(_, k, _)| *k);
+        match s.role {
+            Role::Input => Some((s.reference, signal(program, s.reference))),
+            _ if is_set && s.varies != Varies::Constant => {
+                parameter().or_else(start).map(|slot| (s.reference, slot))
+            }
+            _ => None,
+        }
+    };
+    let own = all.iter().filter(|s| s.reference < FIRST_DERIVATIVE);
+    let knowns: Vec<(u32, Slot)> = own.filter_map(known).collect();
+    let slots: Vec<Slot> = knowns.iter().map(|(_, slot)| *slot).collect();
+    let traced = Dependencies::trace_initial(program, &slots);
+    let of = |s: &&Scalar| {
+        let on = traced.of(slot_of(program, s.reference)).into_iter().map(|k| knowns[k].0);
+        (s.reference, on.filter(|r| *r != s.reference).collect())
+    };
+    initial_unknowns(all).iter().map(of).collect()
 }
