@@ -85,6 +85,10 @@ pub struct Limits {
     /// Time that the command may take, s [default: unlimited].
     #[arg(long, value_name = "S")]
     pub max_seconds: Option<f64>,
+    /// Components, and scalar variables, that the model may have; its expressions are limited in
+    /// proportion [default: 300000].
+    #[arg(long, value_name = "N")]
+    pub max_size: Option<usize>,
 }
 
 /// The models to check.
@@ -233,6 +237,9 @@ pub struct Simulate {
     /// Print a number computed from the run, such as "t = when(s > 0.95*s_max)"; repeatable.
     #[arg(long = "measure", value_name = "NAME=EXPRESSION")]
     pub measures: Vec<String>,
+    /// Events that a `sample` may have in the run.
+    #[arg(long, value_name = "N", default_value_t = 3e6)]
+    pub max_events: f64,
     /// Limits.
     #[command(flatten)]
     pub limits: Limits,
@@ -512,8 +519,8 @@ impl Check {
 
     /// The request to the compiler.
     pub fn request(&self) -> Request {
-        let readable = self.allow_read.clone();
-        Request { readable, ..request(&self.file, &self.model, &self.folders) }
+        let (readable, max_size) = (self.allow_read.clone(), self.limits.max_size);
+        Request { readable, max_size, ..request(&self.file, &self.model, &self.folders) }
     }
 }
 
