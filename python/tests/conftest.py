@@ -24,6 +24,14 @@ equation
 end Tank;
 """
 
+PLAN = {
+    "model": TANK,
+    "time": {"column": "t", "unit": "s"},
+    "signals": {"level_mm": {"variable": "x", "unit": "mm", "sigma": 10.0}},
+    "free": {"k": {"min": 0.05, "max": 5}, "x_0": {"min": 0.5, "max": 5}},
+}
+"""The plan of a calibration of the tank to `recording`."""
+
 BALL = """
 model Ball
   parameter Real e = 0.8 "Share of the speed that a bounce leaves";

@@ -1,6 +1,7 @@
 """Work on executors: the same tables and results, whoever computes them and whoever dies."""
 
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -10,7 +11,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from conftest import ROOT, TANK, recording
+from conftest import PLAN, ROOT, TANK, recording
 
 import mocc
 from mocc import _cluster
@@ -19,12 +20,6 @@ pandas = pytest.importorskip("pandas")
 
 VARY = {"k": np.linspace(0.1, 2, 120), "x_0": [1.0, 2.0, 3.0]}
 MEASURES = {"half": "when(x < 1)", "last": "final(y)"}
-PLAN = {
-    "model": TANK,
-    "time": {"column": "t", "unit": "s"},
-    "signals": {"level_mm": {"variable": "x", "unit": "mm", "sigma": 10.0}},
-    "free": {"k": {"min": 0.05, "max": 5}, "x_0": {"min": 0.5, "max": 5}},
-}
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +35,6 @@ def cluster():
         yield made, client
 
 
-
 # ---- Any executor ----
 
 
@@ -54,6 +48,29 @@ def test_any_executor_makes_the_same_table(tank, table, pool):
         return
     with pool(2) as executor:
         assert mocc.sweep(tank, VARY, MEASURES, executor=executor).equals(table)
+
+
+def test_mpi_makes_the_same_table(table, tmp_path):
+    pytest.importorskip("mpi4py")
+    start = shutil.which("mpiexec", path=os.path.dirname(sys.executable) + os.pathsep + os.environ.get("PATH", ""))
+    if start is None:
+        pytest.skip("mpi4py without an MPI")
+    script = tmp_path / "script.py"
+    script.write_text(f"""
+import sys
+sys.path.insert(0, {str(ROOT / "python" / "tests")!r})
+from mpi4py.futures import MPIPoolExecutor
+import mocc
+from conftest import TANK
+from test_cluster import MEASURES, VARY
+if __name__ == "__main__":
+    with MPIPoolExecutor() as executor:
+        mocc.sweep(mocc.compile(TANK), VARY, MEASURES, executor=executor).to_csv({str(tmp_path / "table.csv")!r})
+""")
+    command = [start, "-n", "3", sys.executable, "-m", "mpi4py.futures", str(script)]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert ended.returncode == 0, ended.stderr
+    assert (tmp_path / "table.csv").read_text() == table.to_csv()
 
 
 def test_libraries_travel_with_the_model(tmp_path):

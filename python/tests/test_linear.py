@@ -1,10 +1,11 @@
 """Steady states, linear systems and derivatives of runs, against closed forms."""
 
 import math
+import sys
 
 import numpy as np
 import pytest
-from conftest import BALL, TANK
+from conftest import BALL, PLAN, TANK, recording
 
 import mocc
 
@@ -159,10 +160,25 @@ def test_jax_differentiates_runs_and_residuals(tank):
     assert (np.asarray(f(theta)) == values).all()
     for jacobian in (jax.jacfwd(f), jax.jacrev(f), jax.jit(jax.jacrev(f))):
         assert np.allclose(jacobian(theta), slopes, rtol=1e-12)
+    c = mocc.calibrate(PLAN, {"one": recording(0.8, 1)})
+    r = mocc.jax.residuals(c)
+    assert (np.asarray(r(theta)) == c.residuals([0.7, 2.0])).all()
+    assert np.allclose(jax.jacrev(r)(theta), c.jacobian([0.7, 2.0]), rtol=1e-12)
 
 
-def test_torch_differentiates_runs(tank):
-    torch = pytest.importorskip("torch")
+@pytest.fixture
+def torch(monkeypatch):
+    try:
+        import torch as found
+    except ImportError:
+        import torch_stand_in as found
+
+        monkeypatch.setitem(sys.modules, "torch", found)
+    yield found
+    sys.modules.pop("mocc.torch", None)
+
+
+def test_torch_differentiates_runs_and_residuals(tank, torch):
     import mocc.torch
 
     times = np.linspace(0.5, 4, 8)
@@ -171,3 +187,8 @@ def test_torch_differentiates_runs(tank):
     f(theta).square().sum().backward()
     values, slopes = tank.sensitivities(["k", "x_0"], ["x"], times, set={"k": 0.7, "x_0": 2.0})
     assert np.allclose(theta.grad, 2 * np.einsum("tv,tvp->p", values, slopes), rtol=1e-12)
+    c = mocc.calibrate(PLAN, {"one": recording(0.8, 1)})
+    theta = torch.tensor([0.7, 2.0], dtype=torch.float64, requires_grad=True)
+    mocc.torch.residuals(c)(theta).square().sum().backward()
+    at = [0.7, 2.0]
+    assert np.allclose(theta.grad, 2 * c.jacobian(at).T @ c.residuals(at), rtol=1e-12)

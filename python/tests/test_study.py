@@ -11,18 +11,11 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from conftest import ROOT, TANK, recording
+from conftest import PLAN, ROOT, TANK, recording
 
 import mocc
 
 pandas = pytest.importorskip("pandas")
-
-PLAN = {
-    "model": TANK,
-    "time": {"column": "t", "unit": "s"},
-    "signals": {"level_mm": {"variable": "x", "unit": "mm", "sigma": 10.0}},
-    "free": {"k": {"min": 0.05, "max": 5}, "x_0": {"min": 0.5, "max": 5}},
-}
 
 
 @pytest.fixture(scope="module")

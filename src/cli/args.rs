@@ -259,6 +259,10 @@ pub struct Limits {
     /// Time that the command may take, s [default: unlimited].
     #[arg(long, value_name = "S")]
     pub max_seconds: Option<f64>,
+    /// Components, and scalar variables, that the model may have; its expressions are limited in
+    /// proportion [default: 300000].
+    #[arg(long, value_name = "N")]
+    pub max_size: Option<usize>,
 }
 
 /// The models to check.
@@ -471,6 +475,9 @@ pub struct Simulate {
     /// Print how long each stage of the compiler took, too.
     #[arg(long, short, conflicts_with = "quiet")]
     pub verbose: bool,
+    /// Events that a `sample` may have in the run.
+    #[arg(long, value_name = "N", default_value_t = 3e6)]
+    pub max_events: f64,
     /// Limits.
     #[command(flatten)]
     pub limits: Limits,
@@ -752,7 +759,8 @@ impl Check {
 
     /// The request to the compiler.
     pub fn request(&self) -> Request {
-        request(&self.file, &self.model, &self.folders, &self.allow_read)
+        let max_size = self.limits.max_size;
+        Request { max_size, ..request(&self.file, &self.model, &self.folders, &self.allow_read) }
     }
 }
 

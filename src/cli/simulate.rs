@@ -43,7 +43,8 @@ pub fn run(options: &Simulate) -> Status {
     let started_at = Instant::now();
     let mut session = Session { is_last: true, ..Session::default() };
     let request = running::request(&options.model, &options.running);
-    let request = Request { check_units: true, ..request };
+    let max_size = options.limits.max_size;
+    let request = Request { check_units: true, max_size, ..request };
     let program = match options.measures.as_slice() {
         [] => session.compile(&request).map(|program| (program, None)),
         texts => session.compile_measured(&request, texts).map(|(p, plan)| (p, Some(plan))),
@@ -60,6 +61,7 @@ pub fn run(options: &Simulate) -> Status {
     let compiled = started_at.elapsed();
 
     let mut settings = running::settings(&options.running, &program.blocks.dae.experiment);
+    settings.most_ticks = options.max_events;
     let files = Files::of(options, &program);
     let columns = &columns(&program)[..shown(&program, measures.as_ref())];
     let mut stream = match files.stream(options, &program, columns) {

@@ -13,6 +13,8 @@ use crate::io::results::Results;
 
 /// Blocks of rows on their way at most.
 const WAITING: usize = 8;
+/// Numbers of a block, at least: runs with many events send their rows one by one.
+const BLOCK: usize = 4096;
 
 /// Some rows.
 #[derive(Default)]
@@ -26,6 +28,8 @@ struct Rows {
 pub struct Writer {
     /// None once no more rows will come.
     rows: Option<SyncSender<Rows>>,
+    /// Rows of the next block.
+    pending: Rows,
     /// Blocks that have been written, to be used again.
     written: Receiver<Rows>,
     failed: Arc<AtomicBool>,
@@ -42,16 +46,24 @@ impl Writer {
         let told = Arc::clone(&failed);
         let work = move || write(results, &waiting, &back, &told);
         let thread = Builder::new().name("write".into()).spawn(work)?;
-        Ok(Writer { rows: Some(rows), written, failed, thread: Some(thread) })
+        let pending = Rows::default();
+        Ok(Writer { rows: Some(rows), pending, written, failed, thread: Some(thread) })
     }
 
     /// Sends rows on their way, one after the other.
     pub fn rows(&mut self, times: &[f64], values: &[f64]) {
-        let mut block = self.written.try_recv().unwrap_or_default();
-        block.times.clear();
-        block.times.extend_from_slice(times);
-        block.values.clear();
-        block.values.extend_from_slice(values);
+        self.pending.times.extend_from_slice(times);
+        self.pending.values.extend_from_slice(values);
+        if self.pending.times.len() + self.pending.values.len() >= BLOCK {
+            self.send();
+        }
+    }
+
+    fn send(&mut self) {
+        let mut empty = self.written.try_recv().unwrap_or_default();
+        empty.times.clear();
+        empty.values.clear();
+        let block = std::mem::replace(&mut self.pending, empty);
         // If the thread has ended, `end` returns the reason.
         let _ = self.rows.as_ref().map(|rows| rows.send(block));
     }
@@ -63,6 +75,7 @@ impl Writer {
 
     /// Waits until the queue is written; returns the results, or why they could not be written.
     pub fn end(mut self) -> Result<Results, TableError> {
+        self.send();
         self.rows = None;
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(outcome)) => outcome,

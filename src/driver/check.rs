@@ -9,17 +9,25 @@ use super::compile::{CompileError, Request, Session, find_in, model, models};
 use crate::base::activity;
 use crate::base::diag::{Diagnostic, Problems, Severity};
 use crate::base::index::FastSet;
+use crate::base::source::Span;
 use crate::classes::ClassGraph;
 use crate::classes::cause::ClassCause;
 use crate::evaluate::Evaluator;
 use crate::evaluate::cause::holds_for_all_arguments;
-use crate::instantiate::cause::InstantiateCause;
+use crate::evaluate::cause::value::ValueCause;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
 use crate::ir::instance::{ClassId, EntryKind, Scope};
 use crate::lower::error::LoweringCause;
 use crate::resolve::library::Library;
 use crate::rules::{ineffective_modifiers, shadowing};
 use crate::units::cause::UnitCause;
+
+/// Steps of work (`evaluate::budget`) that a component takes in all stages.
+const STEPS_PER_COMPONENT: u64 = 20;
+/// Steps of work that the execution of a function takes in all stages, in addition to its expressions.
+const STEPS_PER_CALL: u64 = 800;
+/// Classes of a file that are copied, for the next one to be checked, in the time of a step.
+const CLASSES_PER_STEP: usize = 4;
 
 impl Session {
     /// Collects the problems of a request in [`Session::problems`].
@@ -55,8 +63,9 @@ impl Session {
             let mut problems = Problems::new();
             let mut cx =
                 Evaluator::new(ClassGraph::new(&mut self.sources, &mut problems, &mut library));
+            cx.budget = request.budget();
             if let Ok(class) = model(&mut cx, request, file.as_deref()) {
-                one(cx, class);
+                one(&mut cx, class);
             }
             self.problems.extend(problems);
             return if self.problems.has_errors() { Err(CompileError::Model) } else { Ok(()) };
@@ -74,27 +83,36 @@ impl Session {
             ineffective_modifiers::report_each_of_one(&mut cx, class);
             found.push((name, class));
         }
+        let copied = (cx.classes.len() / CLASSES_PER_STEP) as u64;
         let snapshot = cx.class_graph.into_snapshot();
         self.problems.extend(problems);
-        for (name, class) in found {
+        let (all, most) = (found.len(), request.budget().most_work());
+        let mut work = 0_u64;
+        for (checked, (name, class)) in found.into_iter().enumerate() {
             let mut problems = Problems::new();
-            let cx = Evaluator::new(ClassGraph::from_snapshot(
+            let mut cx = Evaluator::new(ClassGraph::from_snapshot(
                 &mut self.sources,
                 &mut problems,
                 &mut library,
                 snapshot.clone(),
             ));
             activity::note(format!("checking `{name}`"));
-            if runs.contains(&name) {
-                one(cx, class);
-            } else if is_function(&cx, class) {
-                read(cx, class);
+            cx.budget = request.budget();
+            if work > most {
+                let span = cx.definition(class).map_or(Span::NONE, |d| d.name.span);
+                let cause = ValueCause::TooManyClasses { most, checked, all };
+                self.problems.push(Diagnostic::new(cause, span).label("the first that is not"));
+                break;
             }
+            if runs.contains(&name) {
+                one(&mut cx, class);
+            } else if is_function(&cx, class) {
+                read(&mut cx, class);
+            }
+            let components = STEPS_PER_COMPONENT * cx.instances.len() as u64;
+            work += copied + cx.budget.work + STEPS_PER_CALL * cx.budget.calls + components;
             // The classes that contain this one would take as long to refuse.
-            let is_too_large = |cause: &InstantiateCause| {
-                matches!(cause, InstantiateCause::TooManyComponents { .. })
-            };
-            if problems.iter().any(|d| d.is(is_too_large)) {
+            if cx.budget.exhausted {
                 self.add(problems);
                 break;
             }
@@ -126,7 +144,7 @@ fn is_function(cx: &Evaluator<'_>, class: ClassId) -> bool {
 
 /// Checks names and types in a function, for any arguments. Other diagnostics may hold only for the sizes
 /// assumed here, and are dropped.
-fn read(mut cx: Evaluator<'_>, class: ClassId) {
+fn read(cx: &mut Evaluator<'_>, class: ClassId) {
     let before: Vec<Diagnostic> = cx.problems.iter().cloned().collect();
     cx.read_function(class);
     let reported: Vec<Diagnostic> = cx.problems.iter().skip(before.len()).cloned().collect();
@@ -157,9 +175,9 @@ fn classes(file: &ast::File) -> Vec<String> {
 }
 
 /// A component or a system.
-fn one(mut cx: Evaluator<'_>, class: ClassId) {
-    if is_component(&mut cx, class) {
-        component(&mut cx, class);
+fn one(cx: &mut Evaluator<'_>, class: ClassId) {
+    if is_component(cx, class) {
+        component(cx, class);
     } else {
         whole(cx, class);
     }
@@ -199,10 +217,10 @@ fn component(cx: &mut Evaluator<'_>, class: ClassId) {
     }
 }
 
-fn whole(mut cx: Evaluator<'_>, class: ClassId) {
-    let mut flat = crate::flatten::flatten(&mut cx, class, &[]);
-    ineffective_modifiers::report_modified_absent(&mut cx, class);
-    let problems = cx.class_graph.problems;
+fn whole(cx: &mut Evaluator<'_>, class: ClassId) {
+    let mut flat = crate::flatten::flatten(cx, class, &[]);
+    ineffective_modifiers::report_modified_absent(cx, class);
+    let problems = &mut *cx.class_graph.problems;
     if problems.has_errors() {
         return;
     }

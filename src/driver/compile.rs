@@ -12,6 +12,7 @@ use crate::base::name::name;
 use crate::base::source::{SourceMap, Span};
 use crate::classes::{ClassGraph, ROOT};
 use crate::evaluate::Evaluator;
+use crate::evaluate::budget::Budget;
 use crate::flatten::cause::OverrideCause;
 use crate::flatten::inventory::Inventory;
 use crate::ir::assembly::Assembly;
@@ -91,6 +92,8 @@ pub struct Request {
     pub modelica_path: Option<std::ffi::OsString>,
     /// Those of `folders` that are in memory.
     pub packed: Packed,
+    /// Components, and scalar variables, that the model may have; without it, the default.
+    pub max_size: Option<usize>,
 }
 
 /// Why a request has no result. The diagnostics of the session hold the details.
@@ -108,6 +111,11 @@ impl Request {
     /// A model of a file or, without one, of a library.
     pub fn new(file: Option<PathBuf>, model: Option<String>) -> Request {
         Request { file, model, ..Request::default() }
+    }
+
+    /// What the model may take.
+    pub fn budget(&self) -> Budget {
+        self.max_size.map_or_else(Budget::default, Budget::new)
     }
 }
 
@@ -192,6 +200,7 @@ impl Session {
         let begun = Instant::now();
         let mut cx =
             Evaluator::new(ClassGraph::new(&mut self.sources, &mut self.problems, &mut library));
+        cx.budget = request.budget();
         let class = model(&mut cx, request, file.as_deref())?;
         activity::note("flattening the model".to_owned());
         let made = by(&mut cx, class, &settings);

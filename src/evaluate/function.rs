@@ -350,6 +350,8 @@ impl Evaluator<'_> {
         given: &mut [Option<Value>],
         span: Span,
     ) -> Option<Value> {
+        self.budget.calls += 1;
+        self.spend(1, span)?;
         let mut outputs = Vec::new();
         let mut arguments = Vec::with_capacity(components.len());
         let mut given = given.iter_mut();

@@ -10,6 +10,7 @@ pub mod algorithm;
 mod array;
 pub(crate) mod assertion;
 mod binding;
+pub mod budget;
 pub mod builtin;
 pub mod cause;
 mod collection;
@@ -112,8 +113,10 @@ pub struct Evaluator<'a> {
     pub(crate) builtins: builtin::Builtins,
     /// The model is a component by itself: its surroundings are missing.
     pub surrounded: bool,
-    /// The component tree has exceeded a limit, which was reported.
-    pub exhausted: bool,
+    /// Records of which a value is being made, outermost first.
+    pub(crate) open_records: Vec<ClassId>,
+    /// What the model may take.
+    pub budget: budget::Budget,
 }
 
 impl<'a> Deref for Evaluator<'a> {
@@ -155,7 +158,8 @@ impl<'a> Evaluator<'a> {
             random_draws: Default::default(),
             builtins: Default::default(),
             surrounded: false,
-            exhausted: false,
+            open_records: Default::default(),
+            budget: Default::default(),
         }
     }
 }
@@ -173,6 +177,7 @@ impl Evaluator<'_> {
 
     /// As [`Evaluator::evaluate`], with all outputs of a function.
     pub fn evaluate_outputs(&mut self, e: &Expr, scope: Scope) -> Option<Value> {
+        self.spend(1, e.span)?;
         match &e.kind {
             ExprKind::Real(x) => Some(Value::Scalar(self.graph.real(*x))),
             ExprKind::Integer(i) => Some(Value::Scalar(self.graph.integer(*i))),

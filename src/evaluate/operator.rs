@@ -226,6 +226,7 @@ impl Evaluator<'_> {
             self.report_sizes(Pair::Operands, a, b, span);
             return None;
         }
+        self.spend(a.elements().len() as u64, span)?;
         let elements: Option<Vec<Value>> =
             a.elements().iter().zip(b.elements()).map(|(x, y)| act(self, x, y)).collect();
         Some(Value::array(a.dims().to_vec(), elements?))
@@ -250,6 +251,7 @@ impl Evaluator<'_> {
         }
         let mut out = Vec::with_capacity(rows * columns);
         for r in 0..rows {
+            self.spend((inner * columns) as u64, span)?;
             for c in 0..columns {
                 let mut terms = Vec::with_capacity(inner);
                 for k in 0..inner {

@@ -3,11 +3,11 @@
 
 use std::rc::Rc;
 
-use super::Evaluator;
 use super::cause::call::CallCause;
 use super::frame::FrameKind;
 use super::function::has_fixed_value;
 use super::value::{Record, Value};
+use super::{Evaluator, MAX_DEPTH};
 use crate::base::index::FastSet;
 use crate::base::name::Name;
 use crate::base::source::Span;
@@ -32,10 +32,16 @@ impl Evaluator<'_> {
         if let Some(ty) = table.scalar {
             return Some(self.zero_of_type(ty));
         }
+        if self.open_records.contains(&class) || self.open_records.len() >= MAX_DEPTH {
+            let class = self.classes[class].full_name;
+            self.report(CallCause::RecordInItself { class }, span);
+            return None;
+        }
         let components = self.components(class);
         let given = vec![None; components.len()];
+        self.open_records.push(class);
         let fields = self.with_frame(FrameKind::Function, |cx| cx.fields(&components, given));
-        let _ = span;
+        self.open_records.pop();
         Some(Value::Record(Rc::new(Record { class: Some(class), fields: fields.ok()? })))
     }
 

@@ -33,7 +33,10 @@ impl External for FormatNumber {
     same_if_equal!();
 }
 
-/// `a + b`: the id of two strings joined.
+/// Length of a string that is joined, bytes: all strings of a run are kept.
+const MAX_JOINED: usize = 1_000_000;
+
+/// `a + b`: the id of two strings joined; NaN if they are too long.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Concatenate;
 
@@ -44,6 +47,10 @@ impl External for Concatenate {
 
     fn eval(&self, args: &[f64]) -> f64 {
         let [a, b] = [args[0], args[1]].map(|id| string_of_id(id as u32));
+        // No id is larger: a run fails where it meets it.
+        if a.len() + b.len() > MAX_JOINED || args.iter().any(|id| id.is_nan()) {
+            return f64::NAN;
+        }
         f64::from(string_id(name(&format!("{a}{b}"))))
     }
 

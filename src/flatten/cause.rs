@@ -28,6 +28,11 @@ causes! {
             => ("the branches have {first} and {second} equations, \
                  but their condition changes during simulation"),
             help("give each branch, `else` included, the same number of equations");
+        /// A model has more scalar variables than mocc is allowed to make.
+        error MO0330 TooManyVariables { path: String, before: usize, elements: usize, most: usize }
+            => ("the model has more than {most} scalar variables: `{path}` adds {} to {before}",
+                counted(*elements, "element")),
+            help("use smaller arrays; `--max-size` of `mocc check` and `mocc simulate` allows more");
         /// A when-equation determines a variable of another component.
         error MO1275 ForeignVariable { variable: Name, component: Name } (section "4.7")
             => ("`{variable}` of component `{component}` is determined \

@@ -104,6 +104,9 @@ fn flatten_with(
     connections.break_cycles(cx, root);
     connect::connector::check(cx, root);
     variable::number(cx, root, &mut flat);
+    if cx.budget.exhausted {
+        return flat;
+    }
     variable::fill(cx, &mut flat);
 
     for object in objects(cx, root) {

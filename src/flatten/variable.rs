@@ -33,6 +33,16 @@ pub fn number(cx: &mut Evaluator<'_>, root: InstanceId, flat: &mut FlatModel) {
                 stack.extend(parts.iter().rev().map(|part| (*part, own.clone())));
             }
             InstanceKind::Variable { ty, dims, .. } => {
+                let elements = dims.iter().fold(1_usize, |n, d| n.saturating_mul(*d));
+                let (before, most) = (cx.instance_of.len(), cx.budget.size);
+                if before.saturating_add(elements) > most {
+                    cx.budget.exhausted = true;
+                    let path = cx.path(id);
+                    let cause = FlattenCause::TooManyVariables { path, before, elements, most };
+                    let span = cx.declared_at(id);
+                    cx.problems.push(Diagnostic::new(cause, span).label("declared here"));
+                    return;
+                }
                 let first = flat.variables.next_id();
                 let mut subscripts = vec![1; dims.len()];
                 for k in 0..dims.iter().product() {

@@ -31,9 +31,14 @@ causes! {
             help("remove the component: a model cannot hold a component of its own class");
         /// A model has more components than mocc can hold.
         error MO1295 TooManyComponents { path: String, most: usize }
-            => ("the model has more than {most} components; `{path}` is one too many"),
+            => ("the model has more than {most} components; {} is one too many", shortened(path)),
             help("check the sizes of arrays of components, and classes that hold two of another, \
-                  which holds two of a third, and so on");
+                  which holds two of a third, and so on; `--max-size` of `mocc check` and \
+                  `mocc simulate` allows more");
+        /// Components hold components in very many levels.
+        error MO0333 NestedTooDeep { path: String, most: usize }
+            => ("components are nested more than {most} levels deep: {}", shortened(path)),
+            help("use an array of components, or let classes extend each other");
         /// An `outer` component is modified.
         error MO1219 OuterModified { name: Name } (section "5.4")
             => ("`{name}` is `outer`, and cannot be modified"),
@@ -43,6 +48,18 @@ causes! {
             => ("`outer {name}` is not compatible with its `inner` component: {why}"),
             help("give both the same class, \
                   or the `inner` one a class that extends that of the `outer` one");
+    }
+}
+
+/// The ends of a path that may be very long.
+fn shortened(path: &str) -> String {
+    const SHOWN: usize = 20;
+    match (path.char_indices().nth(SHOWN), path.char_indices().rev().nth(SHOWN - 1)) {
+        (Some((from, _)), Some((to, _))) if from < to => {
+            let (begin, end) = (&path[..from], &path[to..]);
+            format!("`{} ... {}`", begin.trim_end_matches('.'), end.trim_start_matches('.'))
+        }
+        _ => format!("`{path}`"),
     }
 }
 

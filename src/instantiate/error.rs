@@ -1,6 +1,6 @@
 //! Diagnostics of components that cannot be instantiated.
 
-use super::MAX_COMPONENTS;
+use super::MAX_NESTING;
 use super::cause::InstantiateCause;
 use crate::base::activity;
 use crate::base::diag::Diagnostic;
@@ -20,16 +20,23 @@ pub(crate) fn report_component_cycle(cx: &mut Evaluator<'_>, id: InstanceId) {
 /// Number of components between two notes of the activity.
 const NOTE_INTERVAL: usize = 1 << 14;
 
-/// Reports a component tree that is too large; true if it is.
+/// Reports a component tree that is too large or too deep; true if it is.
 pub(crate) fn report_exhausted(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
-    if id.idx().is_multiple_of(NOTE_INTERVAL) && id.idx() > 0 {
-        activity::note(format!("instantiating component number {} (`{}`)", id.idx(), cx.path(id)));
-    }
-    if cx.instances.len() <= MAX_COMPONENTS {
+    let around = |id: &InstanceId| cx.instances[*id].parent;
+    let levels = std::iter::successors(Some(id), around).take(MAX_NESTING + 2).count();
+    let most = cx.budget.size;
+    let cause = if levels > MAX_NESTING + 1 {
+        InstantiateCause::NestedTooDeep { path: cx.path(id), most: MAX_NESTING }
+    } else if cx.instances.len() > most {
+        InstantiateCause::TooManyComponents { path: cx.path(id), most }
+    } else {
+        if id.idx().is_multiple_of(NOTE_INTERVAL) && id.idx() > 0 {
+            let path = cx.path(id);
+            activity::note(format!("instantiating component number {} (`{path}`)", id.idx()));
+        }
         return false;
-    }
-    let (path, span) = (cx.path(id), cx.declared_at(id));
-    let cause = InstantiateCause::TooManyComponents { path, most: MAX_COMPONENTS };
+    };
+    let span = cx.declared_at(id);
     cx.problems.push(Diagnostic::new(cause, span).label("the last component was of this"));
     true
 }

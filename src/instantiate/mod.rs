@@ -20,14 +20,14 @@ use crate::evaluate::frame::FrameKind;
 use crate::ir::instance::{ClassId, Instance, InstanceId, InstanceKind, Scope};
 use crate::ir::modification::{Layer, LayerSource, ParameterOverride};
 
-/// Number of components of a model; these take some gigabytes.
-const MAX_COMPONENTS: usize = 5_000_000;
+/// Number of components that may be nested.
+const MAX_NESTING: usize = 500;
 
 impl Demand for Evaluator<'_> {
     #[inline(never)]
     fn complete_pending(&mut self, id: InstanceId) {
-        if self.exhausted || error::report_exhausted(self, id) {
-            self.exhausted = true;
+        if self.budget.exhausted || error::report_exhausted(self, id) {
+            self.budget.exhausted = true;
             self.instances[id].kind = InstanceKind::Broken;
             return;
         }

@@ -58,6 +58,10 @@ causes! {
         /// The interval of a `sample` is not positive.
         error MO0914 SampleInterval { interval: f64 } (section "3.7.5")
             => ("the interval of a `sample` is {interval} s, not positive");
+        /// The interval of a `sample` is very short for the run.
+        error MO0940 TooManyTicks { interval: f64, ticks: f64 }
+            => ("a `sample` with an interval of {interval:e} s has {ticks:.2e} events in this run"),
+            help("lengthen the interval, end the run earlier, or allow more with `--max-events`");
         /// The sensitivities of a run do not exist.
         error MO0917 NoSensitivities { time: f64, why: &'static str }
             => ("at time {time} s cannot compute the sensitivities: {why}");

@@ -25,6 +25,8 @@ pub enum StartError {
     Assertion(usize),
     /// The interval of a clock is not positive.
     Clock(usize),
+    /// A clock has too many ticks in the run: so many.
+    Ticks(usize, f64),
     /// The initial sequence or the first event iteration failed.
     Event(EventError),
 }
@@ -129,6 +131,10 @@ pub fn initialise_from(
         let interval = machine.get(clock.interval);
         if interval.is_nan() || interval <= 0.0 {
             return Err(StartError::Clock(k));
+        }
+        let ticks = (settings.stop - settings.start.max(machine.get(clock.start))) / interval;
+        if ticks > settings.most_ticks {
+            return Err(StartError::Ticks(k, ticks));
         }
     }
     // Start values are the guesses of iterations, and `pre` before the first event.

@@ -60,6 +60,8 @@ pub struct Settings {
     pub spacing: Option<f64>,
     /// Maximum number of steps of the integrator, including rejected ones.
     pub most_steps: u64,
+    /// Maximum number of events of the clocks of the run.
+    pub most_ticks: f64,
     /// Maximum step, s, positive; a 50th of the run if not given.
     pub max_step: Option<f64>,
 }
@@ -88,6 +90,7 @@ impl Settings {
             extrema: Vec::new(),
             spacing: None,
             most_steps: DEFAULT_MAX_STEPS,
+            most_ticks: f64::INFINITY,
             max_step: None,
         }
     }

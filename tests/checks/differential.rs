@@ -45,7 +45,9 @@ type Outcome = BTreeMap<String, (f64, f64)>;
 fn compare(time: Duration, each: usize) -> Vec<String> {
     let begun = Instant::now();
     let scratch = Scratch::new();
-    let (mut models, mut runs, mut refused, mut found) = (0, 0, 0, Vec::new());
+    let (mut models, mut runs, mut found) = (0, 0, Vec::new());
+    // The number of runs that each message refused.
+    let mut refused: BTreeMap<String, usize> = BTreeMap::new();
     for (name, text) in models_of_the_repository().into_iter().step_by(each) {
         if begun.elapsed() > time {
             break;
@@ -78,16 +80,30 @@ fn compare(time: Duration, each: usize) -> Vec<String> {
                 }
                 // A message is an answer, but that of a method that cannot take the model is no news.
                 Err(why) if why.is_empty() => found.push(format!("{name}, {way}: no message")),
-                Err(_) => refused += 1,
+                Err(why) => *refused.entry(first_words(&why)).or_default() += 1,
             }
         }
     }
     eprintln!(
-        "{models} models, {runs} other ways: {} disagree, {refused} refused with a message, in {:.0} s",
+        "{models} models, {runs} other ways: {} disagree, {} refused with a message, in {:.0} s",
         found.len(),
+        refused.values().sum::<usize>(),
         begun.elapsed().as_secs_f64()
     );
+    for (why, count) in refused {
+        eprintln!("{count} refused: {why}");
+    }
     found
+}
+
+/// A message up to its numbers and names.
+fn first_words(message: &str) -> String {
+    let line = message.lines().find(|line| line.starts_with("error")).unwrap_or_default();
+    let is_place = |c: char| c == '`' || c.is_ascii_digit();
+    // The digits of a code are none of the message.
+    let text = line.find("]: ").map_or(0, |at| at + 3);
+    let end = line[text..].find(is_place).map_or(line.len(), |at| text + at);
+    line[..end].trim_end().to_owned()
 }
 
 /// Names and texts.

@@ -200,6 +200,71 @@ fn a_relation_that_is_seen_to_turn_back_is_two_events() {
     assert!(ended.out.contains("2 events"), "{}", ended.out);
 }
 
+/// A step that takes longer than anyone waits: a second SIGINT ends the process, and no result has a name.
+#[cfg(unix)]
+#[test]
+fn a_second_interrupt_ends_a_long_step() {
+    use std::process::{Command, Stdio};
+    use std::time::Duration;
+
+    let folder = Scratch::new();
+    folder.file("slow.mo", SLOW);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_mocc"));
+    command.current_dir(folder.path()).args(["simulate", "slow.mo", "--output", "slow.csv"]);
+    let running = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let mut running = running.expect("mocc starts");
+    let files = || {
+        let files = std::fs::read_dir(folder.path()).expect("a folder").flatten();
+        files.into_iter().map(|f| f.file_name().to_string_lossy().into_owned()).collect::<Vec<_>>()
+    };
+    // The temporary file is there before the handler is.
+    while !files().iter().any(|name| name.ends_with(".part")) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let pid = running.id().to_string();
+    let interrupt = || {
+        std::thread::sleep(Duration::from_millis(400));
+        let sent = Command::new("kill").args(["-INT", &pid]).status().expect("kill is there");
+        assert!(sent.success());
+    };
+    interrupt();
+    std::thread::sleep(Duration::from_millis(400));
+    assert!(running.try_wait().expect("a state").is_none(), "the step goes on");
+    interrupt();
+    let ended = running.wait_with_output().expect("an end");
+    assert_eq!(ended.status.code(), Some(130));
+    assert!(!files().contains(&"slow.csv".to_owned()), "{:?}", files());
+}
+
+/// The right side takes minutes.
+const SLOW: &str = "
+model Slow
+  function work
+    input Real u;
+    input Real n;
+    output Real y;
+  protected
+    Real i;
+    Real j;
+  algorithm
+    y := 0;
+    i := 0;
+    while i < n loop
+      j := 0;
+      while j < n loop
+        y := y + sin(u*i*j);
+        j := j + 1;
+      end while;
+      i := i + 1;
+    end while;
+  end work;
+  parameter Real n = 2e5;
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = work(time, n + time);
+end Slow;
+";
+
 /// SIGINT ends a run after its step; what was computed is in a file of its own name.
 #[cfg(unix)]
 #[test]

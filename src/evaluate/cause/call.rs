@@ -71,6 +71,10 @@ causes! {
         error MO1294 TooManyCalls { function: Name, most: usize }
             => ("one call of `{function}` leads to more than {most} others"),
             help("compute its value by a loop, or with fewer calls");
+        /// A function has a variable of a record that contains itself.
+        error MO1298 RecordInItself { class: Name } (section "5.6.1")
+            => ("record `{class}` contains itself"),
+            help("remove the component of its own class, or give it another class");
         /// An external function is not one that mocc implements.
         error MO0222 UnknownExternal { function: String } (section "12.9")
             => ("mocc does not know the external function `{function}`"),

@@ -30,6 +30,17 @@ causes! {
         error MO1296 LongString { length: usize, most: usize }
             => ("a string of {length} characters is too long"),
             help("use no more than {most}");
+        /// Expressions of a model take too many steps to evaluate.
+        error MO0331 TooMuchWork { most: u64, variables: usize, components: usize }
+            => ("the model takes more than {most} steps of evaluation; so far it has \
+                 {components} components and {variables} variables"),
+            help("check the ranges of loops and the sizes of arrays; `--max-size` of `mocc check` \
+                  and `mocc simulate` allows more");
+        /// The classes of a file take too many steps to check.
+        error MO0332 TooManyClasses { most: u64, checked: usize, all: usize }
+            => ("the classes of this file take more than {most} steps: \
+                 {checked} of {all} are checked"),
+            help("check the others one by one with `--model`, or allow more with `--max-size`");
         /// A list of values has a gap.
         error MO0211 MissingValue (section "8.3.1")
             => ("a value is missing in this list"),

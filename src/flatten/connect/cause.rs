@@ -31,6 +31,10 @@ causes! {
         warning MO0327 IsolatedComponent { path: String } (section "9.2")
             => ("no connector of `{path}` is connected: all its flows are zero"),
             help("connect it, or remove it");
+        /// A connector of a component is not connected, so that nothing flows through the component.
+        warning MO0334 OpenEnd { connector: String, path: String } (section "9.2")
+            => ("`{connector}` is not connected, so nothing flows through `{path}`"),
+            help("connect it, or remove the component");
         /// An expandable connector is connected to a component that is not expandable.
         error MO1212 ExpandableWithOther { path: String, bus: String } (section "9.1.3")
             => ("an expandable connector is connected to `{path}`, which is not expandable"),

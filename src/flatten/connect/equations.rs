@@ -9,7 +9,7 @@ use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::evaluate::Evaluator;
 use crate::ir::ast::ConnectionPrefix;
-use crate::ir::expr::{ExprId, VarId};
+use crate::ir::expr::{Binary, ExprId, Graph, Node, Unary, VarId};
 use crate::ir::flat::{Equation, EquationKind, FlatModel, Origin};
 use crate::ir::instance::{InstanceId, InstanceKind};
 
@@ -62,6 +62,8 @@ impl Connections {
         // For each component with flows, whether one of them is connected.
         let mut connected: FastMap<InstanceId, bool> = FastMap::default();
         let mut any_connected = false;
+        // The flows of connectors, whether they are connected.
+        let mut ends: FastMap<VarId, bool> = FastMap::default();
         for v in flat.variables.ids() {
             let (instance, _) = cx.instance_of[v.0 as usize];
             if cx.instances[instance].prefix.connection != Some(ConnectionPrefix::Flow) {
@@ -75,6 +77,7 @@ impl Connections {
             if is_in_connector(cx, instance, &mut in_connector) {
                 let component = component_of(cx, instance, root);
                 *connected.entry(component).or_default() |= inside || outside;
+                ends.insert(v, inside || outside);
             }
             if inside && (outside || !expandable::is_within(cx, instance))
                 || !is_in_connector(cx, instance, &mut in_connector)
@@ -92,6 +95,7 @@ impl Connections {
         }
         if any_connected && !cx.problems.has_errors() {
             report_isolated(cx, root, &connected);
+            report_open_ends(cx, root, &ends, flat);
         }
     }
 }
@@ -133,6 +137,74 @@ fn report_isolated(
         let span = cx.declared_at(component);
         cx.problems.push(Diagnostic::new(cause, span));
     }
+}
+
+/// Warns of components with an open end through which nothing flows for this reason: their equations say
+/// that the flow of an end without connection, which is zero, is that of one with a connection.
+fn report_open_ends(
+    cx: &mut Evaluator<'_>,
+    root: InstanceId,
+    ends: &FastMap<VarId, bool>,
+    flat: &FlatModel,
+) {
+    // Variables that are equal up to their signs.
+    let mut equal: FastMap<VarId, Vec<VarId>> = FastMap::default();
+    for equation in &flat.equations {
+        let EquationKind::Equal(a, b) = equation.kind else { continue };
+        let Some([v, w]) = signed_pair(&cx.graph, a, b) else { continue };
+        equal.entry(v).or_default().push(w);
+        equal.entry(w).or_default().push(v);
+    }
+    let mut open: Vec<VarId> = ends.iter().filter(|(_, is)| !**is).map(|(v, _)| *v).collect();
+    open.sort_unstable();
+    for v in open {
+        let (instance, _) = cx.instance_of[v.0 as usize];
+        let component = component_of(cx, instance, root);
+        // Within components, connectors may be left open on purpose.
+        if component == root || cx.instances[component].parent != Some(root) {
+            continue;
+        }
+        let (mut found, mut todo) = (vec![v], vec![v]);
+        let mut is_stopped = false;
+        while let Some(at) = todo.pop() {
+            for next in equal.get(&at).into_iter().flatten() {
+                let Some((of, _)) = cx.instance_of.get(next.0 as usize).copied() else { continue };
+                if found.contains(next) || component_of(cx, of, root) != component {
+                    continue;
+                }
+                is_stopped |= ends.get(next) == Some(&true);
+                found.push(*next);
+                todo.push(*next);
+            }
+        }
+        if is_stopped {
+            let parent = cx.instances[instance].parent;
+            let of = parent.filter(|_| !is_connector(cx, instance)).unwrap_or(instance);
+            let connector = cx.path(of);
+            let cause = ConnectCause::OpenEnd { connector, path: cx.path(component) };
+            let span = cx.declared_at(component);
+            cx.problems.push(Diagnostic::new(cause, span));
+        }
+    }
+}
+
+/// The variables of `a = b`, `a = -b` and `a + b = 0`.
+fn signed_pair(graph: &Graph, a: ExprId, b: ExprId) -> Option<[VarId; 2]> {
+    let mut open = vec![a, b];
+    open.retain(|side| graph.as_number(*side) != Some(0.0));
+    let mut found = Vec::with_capacity(2);
+    while let Some(e) = open.pop() {
+        if open.len() + found.len() >= 2 {
+            return None;
+        }
+        match graph.node(e) {
+            Node::Var(v) => found.push(v),
+            Node::Unary(Unary::Neg, a) => open.push(a),
+            Node::Binary(Binary::Add | Binary::Sub, a, b) => open.extend([a, b]),
+            _ => return None,
+        }
+    }
+    <[VarId; 2]>::try_from(found).ok()
 }
 
 /// The component that holds a connector with this variable.

@@ -132,6 +132,12 @@ impl Builder<'_> {
             None if obstacle.kind.is_none() && self.unclosed_reported => return,
             None => self.semicolon(&obstacle).unwrap_or_else(|| self.unexpected(&obstacle)),
         };
+        if error.is(|cause: &SyntaxCause| matches!(cause, SyntaxCause::KeywordAsName { .. })) {
+            // What the parser makes of the class after an `end` that is none follows from it.
+            if obstacle.kind == Some(TokenKind::End) {
+                self.quiet_until = u32::MAX;
+            }
+        }
         self.report(error);
     }
 

@@ -128,6 +128,19 @@ impl Samples {
         turns > 1 && greatest - least > ROUNDING * size
     }
 
+    /// True if the samples of the step and `start`, its first, have a smaller range than `change`, and
+    /// one that is more than rounding.
+    pub fn is_outrun(&self, indicator: u32, start: f64, change: f64) -> bool {
+        let first = usize::from(self.has_predecessor);
+        let (mut least, mut greatest, mut size) = (start, start, start.abs());
+        for k in first..self.times.len() {
+            let g = self.values[k * self.width + indicator as usize];
+            (least, greatest, size) = (least.min(g), greatest.max(g), size.max(g.abs()));
+        }
+        let range = greatest - least;
+        range < change && range > ROUNDING * size
+    }
+
     fn at(&self, k: usize, indicator: usize) -> (f64, f64) {
         (self.times[k].0, self.values[k * self.width + indicator].abs())
     }

@@ -17,6 +17,17 @@ use super::dips::Samples;
 /// which on its changes may be missed.
 const RESTLESS: u32 = 4;
 const RESTLESS_SHARE: f64 = 0.002;
+/// Of so many steps, one is looked at more closely: the slope of the indicators at its start is compared
+/// with their range at the probes. One that turns between all probes may look calm at these.
+const STEPS_PER_SLOPE: u32 = 8;
+/// Distance over which a slope is taken, as a fraction of the step.
+const SLOPE_FRACTION: f64 = 1e-6;
+/// Ratio of the change that the slope foretells for the step, and the range at the probes, above which
+/// the indicator turns between them. For a sine it is half the phase of the step, in radians, or less.
+const FAST: f64 = 3.0;
+/// Such steps, and their share, from which on changes may be missed.
+const FAST_STEPS: u32 = 4;
+const FAST_SHARE: f64 = 0.05;
 /// Points within a step, as fractions, at which relations are probed in addition to its end.
 const PROBES: [f64; 2] = [1.0 / 3.0, 2.0 / 3.0];
 /// Maximum number of failed evaluations within one step.
@@ -35,8 +46,14 @@ pub struct Locator {
     samples: Samples,
     /// For each relation, the number of steps in which its indicator turned more than once.
     restless: Vec<u32>,
-    /// Number of steps without an event.
+    /// Number of steps looked at.
     looks: u32,
+    /// For each relation, the number of steps at whose start its indicator changed too fast for them.
+    fast: Vec<u32>,
+    /// Number of steps in which this was compared.
+    slope_looks: u32,
+    /// Indicators at the start of a step.
+    start: Vec<f64>,
 }
 
 /// First hysteresis of a chattering relation, in units of its operands.
@@ -68,7 +85,19 @@ impl Locator {
         let samples = Samples::new(program.events.relation_triggers.len());
         let point = vec![0.0; program.order().max(1)];
         let restless = vec![0; relations.len()];
-        Locator { relations, point, ignored: None, hysteresis, samples, restless, looks: 0 }
+        let (fast, start) = (restless.clone(), Vec::new());
+        Locator {
+            relations,
+            point,
+            ignored: None,
+            hysteresis,
+            samples,
+            restless,
+            looks: 0,
+            fast,
+            slope_looks: 0,
+            start,
+        }
     }
 
     /// Widens the hysteresis of chattering relations: smaller changes are rounding errors of
@@ -160,7 +189,11 @@ impl Locator {
         }
         let found = self.first_dip(system, stepper)?;
         if found.is_none() {
+            let moved = self.compare_slopes(system, stepper);
             self.count_restless();
+            if moved {
+                self.evaluate(system, stepper, t1)?;
+            }
         }
         self.samples.end(t1);
         Ok(found)
@@ -178,10 +211,38 @@ impl Locator {
                 self.samples.add(t, indicators(&system.machine));
             }
         }
+        self.compare_slopes(system, stepper);
         self.count_restless();
         self.samples.clear();
         // As it was: what has changed is read from the memory.
         let _ = self.evaluate(system, stepper, seen);
+    }
+
+    /// Counts the relations whose indicators start this step with a slope that does not fit to their
+    /// samples, if it is one of the steps for this; true if the memory was moved.
+    fn compare_slopes(&mut self, system: &mut HybridSystem<'_>, stepper: &dyn Stepper) -> bool {
+        let (t0, t1) = (stepper.t_previous(), stepper.t());
+        let distance = SLOPE_FRACTION * (t1 - t0);
+        let is_resolved = distance > ENCLOSURE_WIDTH * f64::EPSILON * t0.abs().max(t1.abs());
+        if !self.looks.is_multiple_of(STEPS_PER_SLOPE) || !is_resolved {
+            return false;
+        }
+        if self.evaluate(system, stepper, t0).is_err() {
+            return true;
+        }
+        self.start.clear();
+        self.start.extend_from_slice(indicators(&system.machine));
+        if self.evaluate(system, stepper, t0 + distance).is_err() {
+            return true;
+        }
+        self.slope_looks += 1;
+        let next = indicators(&system.machine);
+        for (k, count) in self.relations.iter().zip(&mut self.fast) {
+            let (g, h) = (self.start[*k as usize], next[*k as usize]);
+            let foretold = ((h - g) / SLOPE_FRACTION).abs();
+            *count += u32::from(self.samples.is_outrun(*k, g, foretold / FAST));
+        }
+        true
     }
 
     fn count_restless(&mut self) {
@@ -194,8 +255,14 @@ impl Locator {
     /// The relations whose indicators turned so often within steps that changes may have been missed.
     pub fn unresolved(&self) -> impl Iterator<Item = u32> {
         let share = f64::from(self.looks) * RESTLESS_SHARE;
-        let counts = self.relations.iter().zip(&self.restless);
-        counts.filter(move |(_, n)| **n >= RESTLESS && f64::from(**n) >= share).map(|(k, _)| *k)
+        let fast_share = f64::from(self.slope_looks) * FAST_SHARE;
+        let reaches = |n: u32, least: u32, share: f64| n >= least && f64::from(n) >= share;
+        (0..self.relations.len())
+            .filter(move |i| {
+                reaches(self.restless[*i], RESTLESS, share)
+                    || reaches(self.fast[*i], FAST_STEPS, fast_share)
+            })
+            .map(|i| self.relations[i])
     }
 
     /// Forgets the samples of the last step: the indicators may have jumped.

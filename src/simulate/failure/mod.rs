@@ -229,11 +229,15 @@ pub fn start_failure(machine: &Machine<'_>, why: StartError, t: f64) -> Failure 
             };
             Failure::numerics(t, diagnostic)
         }
-        StartError::Clock(k) => {
+        StartError::Clock(k) | StartError::Ticks(k, _) => {
             let interval = machine.get(program.events.clocks[k].interval);
             let flag = program.blocks.dae.samples[k].flag;
             let span = program.blocks.dae.variables[flag].span;
-            Failure::numerics(t, Diagnostic::new(RunCause::SampleInterval { interval }, span))
+            let cause = match why {
+                StartError::Ticks(_, ticks) => RunCause::TooManyTicks { interval, ticks },
+                _ => RunCause::SampleInterval { interval },
+            };
+            Failure::numerics(t, Diagnostic::new(cause, span))
         }
         StartError::Assertion(k) => violated(program, &machine.memory, k, t),
         StartError::Event(u) => event_failure(machine, u, t),

@@ -171,3 +171,42 @@ equation
 end Count;
 //@ expect a.n, b.n, c.n = 2, 3, 2
 //@ expect a.none, b.q.v = 0, 5
+
+//@ case open_end
+// The flow of an open end is zero, which is legal: a mass may end a line. Through a resistor nothing flows then.
+package Open
+  connector Flange
+    Real s(unit = "m");
+    flow Real f(unit = "N");
+  end Flange;
+  model Spring
+    parameter Real c(unit = "N/m") = 100;
+    Flange a;
+    Flange b;
+  equation
+    b.f = -a.f;
+    a.f = c*(a.s - b.s);
+  end Spring;
+  model Mass
+    parameter Real m(unit = "kg") = 1;
+    Flange a;
+    Flange b;
+    Real v(unit = "m/s", start = 0, fixed = true);
+  equation
+    a.s = b.s;
+    der(a.s) = v;
+    m*der(v) = a.f + b.f;
+  end Mass;
+  model Line
+    Mass first(a.s(start = 0.1, fixed = true));
+    Mass last(a.s(start = 0, fixed = true));
+    Spring spring;
+    //@ warning[MO0334] 12-15
+    Spring open;
+  equation
+    connect(first.b, spring.a);
+    connect(spring.b, last.a);
+    connect(last.b, open.a);
+  end Line;
+end Open;
+//@ expect open.a.f, last.b.f = 0

@@ -55,6 +55,15 @@ model Device
   Real x = time;
 end Device;
 
+//@ case end_as_name
+model Travel
+  //@ error[MO0038] 8-10
+  Real end = 1;
+  Real x;
+equation
+  x = time;
+end Travel;
+
 //@ case string_without_an_end
 // The string swallows the next lines up to the next quote; the error is where it begins.
 model Tank

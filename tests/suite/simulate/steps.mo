@@ -161,3 +161,45 @@ equation
 end Ball;
 //@ expect h, v = 0, 0 abs 1e-9
 //@ expect flies at 1.353, 1.36 = 1, 0
+
+//@ case relation_faster_than_the_steps
+// 318 changes in a second; steps of up to 0.02 s see other ones, so the run says so.
+model Fast
+  Integer n(start = 0, fixed = true);
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = 1;
+  //@ warning[MO0936] 8-24
+  when sin(1000*x) > 0 then
+    n = pre(n) + 1;
+  end when;
+end Fast;
+//@ expect x = 1 abs 1e-9
+
+//@ case relation_far_faster_than_the_steps
+// Steps of many periods: the samples in them look calm, the slope at their start does not.
+model FarFaster
+  Integer n(start = 0, fixed = true);
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = 1;
+  //@ warning[MO0936] 8-23
+  when sin(1e5*x) > 0 then
+    n = pre(n) + 1;
+  end when;
+end FarFaster;
+//@ expect x = 1 abs 1e-9
+
+//@ case relation_as_fast_as_the_steps
+// With steps that resolve it, all are found.
+//@ run interval=0.001
+model AsFast
+  Integer n(start = 0, fixed = true);
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = 1;
+  when sin(100*x) > 0 then
+    n = pre(n) + 1;
+  end when;
+end AsFast;
+//@ expect n = 16
