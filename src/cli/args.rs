@@ -260,7 +260,7 @@ pub struct Limits {
     #[arg(long, value_name = "S")]
     pub max_seconds: Option<f64>,
     /// Components, and scalar variables, that the model may have; its expressions are limited in
-    /// proportion [default: 300000].
+    /// proportion [default: 3000000].
     #[arg(long, value_name = "N")]
     pub max_size: Option<usize>,
 }

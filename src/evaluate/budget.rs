@@ -9,12 +9,12 @@ use crate::base::activity;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 
-/// Default number of components, and of scalar variables, of a model: some seconds and a gigabyte.
-pub const DEFAULT_SIZE: usize = 300_000;
+/// Default number of components, and of scalar variables, of a model: some seconds and one or two gigabytes.
+pub const DEFAULT_SIZE: usize = 3_000_000;
 /// Steps of work for each component that is allowed: one evaluates an expression, or joins two.
-const WORK_PER_SIZE: u64 = 100;
+const WORK_PER_SIZE: u64 = 10;
 /// New expressions for each component that is allowed; they are kept in memory.
-const EXPRESSIONS_PER_SIZE: usize = 40;
+const EXPRESSIONS_PER_SIZE: usize = 4;
 /// Steps of work between two notes of the activity.
 const NOTE_INTERVAL: u64 = 1 << 20;
 
