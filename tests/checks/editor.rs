@@ -58,7 +58,8 @@ impl Editor {
         assert_eq!(ready["serverInfo"]["name"], "mocc");
         assert_eq!(ready["capabilities"]["textDocumentSync"]["change"], 2);
         editor.tell("initialized", json!({}));
-        let document = json!({ "uri": editor.address, "languageId": "modelica", "version": 1, "text": text });
+        let document =
+            json!({ "uri": editor.address, "languageId": "modelica", "version": 1, "text": text });
         editor.tell("textDocument/didOpen", json!({ "textDocument": document }));
         editor.wait();
         editor
@@ -75,7 +76,10 @@ impl Editor {
         let mut length = 0;
         loop {
             let mut line = String::new();
-            assert!(self.output.read_line(&mut line).expect("a header") > 0, "the server has ended");
+            assert!(
+                self.output.read_line(&mut line).expect("a header") > 0,
+                "the server has ended"
+            );
             match line.trim().split_once(": ") {
                 Some((_, n)) => length = n.parse().expect("a length"),
                 None => break,
@@ -128,7 +132,10 @@ impl Editor {
         self.text = self.text.replacen(old, new, 1);
         let document = json!({ "uri": self.address, "version": 2 });
         let changes = json!([{ "range": range, "text": new }]);
-        self.tell("textDocument/didChange", json!({ "textDocument": document, "contentChanges": changes }));
+        self.tell(
+            "textDocument/didChange",
+            json!({ "textDocument": document, "contentChanges": changes }),
+        );
         self.wait();
     }
 
@@ -205,16 +212,19 @@ fn names_are_explained_found_and_renamed() {
     let hover = editor.at("textDocument/hover", "spool.flange", 8);
     assert!(hover["contents"]["value"].to_string().contains("flange"), "{hover}");
     let place = editor.at("textDocument/definition", "spool.flange", 1);
-    assert_eq!((&place["uri"], &place["range"]["start"]["line"]), (&json!(editor.address), &json!(3)));
+    assert_eq!(
+        (&place["uri"], &place["range"]["start"]["line"]),
+        (&json!(editor.address), &json!(3))
+    );
     let place = editor.at("textDocument/definition", "StopMass", 2);
     let path = place["uri"].as_str().expect("an address").strip_prefix("file://").expect("a file");
-    assert!(std::fs::read_to_string(Path::new(path)).is_ok_and(|text| text.contains("model StopMass")));
+    assert!(
+        std::fs::read_to_string(Path::new(path)).is_ok_and(|text| text.contains("model StopMass"))
+    );
     let places = editor.at("textDocument/references", "magnet(f", 1);
     assert_eq!(places.as_array().map(Vec::len), Some(2), "{places}");
     let at = editor.text.find("magnet(f").expect("it");
-    let rename = |new: &str, editor: &Editor| {
-        json!({ "textDocument": { "uri": editor.address }, "position": editor.place(at), "newName": new })
-    };
+    let rename = |new: &str, editor: &Editor| json!({ "textDocument": { "uri": editor.address }, "position": editor.place(at), "newName": new });
     let wanted = rename("coil", &editor);
     let edits = editor.ask("textDocument/rename", wanted);
     let edits = edits["changes"][editor.address.as_str()].clone();
@@ -234,12 +244,21 @@ fn completion_knows_members_modifiers_and_classes() {
     };
     let has = |items: &Value, name: &str| labels(items).iter().any(|label| label == name);
     let items = editor.at("textDocument/completion", "spool.flange", 6);
-    assert!(has(&items, "flange") && has(&items, "s") && !has(&items, "model"), "{:?}", labels(&items));
+    assert!(
+        has(&items, "flange") && has(&items, "s") && !has(&items, "model"),
+        "{:?}",
+        labels(&items)
+    );
     let items = editor.at("textDocument/completion", "Translational.Force", 14);
     assert!(has(&items, "Spring") && has(&items, "StopMass"), "{:?}", labels(&items));
     let items = editor.at("textDocument/completion", "(m = 0.03", 1);
     let first = &items[0];
-    assert_eq!((&first["insertText"], has(&items, "s_max")), (&json!("m = "), true), "{:?}", labels(&items));
+    assert_eq!(
+        (&first["insertText"], has(&items, "s_max")),
+        (&json!("m = "), true),
+        "{:?}",
+        labels(&items)
+    );
     let items = editor.at("textDocument/completion", "connect(", 0);
     for name in ["spool", "F", "Translational", "connect"] {
         assert!(has(&items, name), "no {name} in {:?}", labels(&items));
@@ -257,7 +276,10 @@ fn the_whole_text_is_formatted_outlined_folded_and_coloured() {
     let edits = editor.of_document("textDocument/formatting");
     assert_eq!(edits[0]["newText"], MODEL, "{edits}");
     let outline = editor.of_document("textDocument/documentSymbol");
-    assert_eq!((&outline[0]["name"], &outline[0]["detail"]), (&json!("Push"), &json!("A force pushes a mass")));
+    assert_eq!(
+        (&outline[0]["name"], &outline[0]["detail"]),
+        (&json!("Push"), &json!("A force pushes a mass"))
+    );
     let names: Vec<&str> = outline[0]["children"]
         .as_array()
         .expect("children")
@@ -268,11 +290,13 @@ fn the_whole_text_is_formatted_outlined_folded_and_coloured() {
     let folds = editor.of_document("textDocument/foldingRange");
     assert_eq!((&folds[0]["startLine"], &folds[0]["endLine"]), (&json!(0), &json!(6)));
     let tokens = editor.of_document("textDocument/semanticTokens/full");
-    let data: Vec<u64> = tokens["data"].as_array().expect("data").iter().filter_map(Value::as_u64).collect();
+    let data: Vec<u64> =
+        tokens["data"].as_array().expect("data").iter().filter_map(Value::as_u64).collect();
     // `model`, a keyword, and `Push`, a type.
     assert_eq!(data[..10], [0, 0, 5, 0, 0, 0, 6, 4, 1, 0]);
     assert_eq!(data.len() % 5, 0);
-    let reply = editor.reply("textDocument/moniker", json!({ "textDocument": { "uri": editor.address } }));
+    let reply =
+        editor.reply("textDocument/moniker", json!({ "textDocument": { "uri": editor.address } }));
     assert_eq!(reply["error"]["code"], -32601);
     editor.close();
 }
