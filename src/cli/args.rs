@@ -38,7 +38,7 @@ pub enum Command {
     Compare(Compare),
     /// Start a project: a model, its tests, a plan with recordings.
     New(New),
-    /// Write a plan for a model and a folder of recordings, guessed from the names of columns.
+    /// Write a plan for a model and a folder of recordings.
     Plan(PlanSkeleton),
     /// List, read or copy the classes of libraries.
     Lib(Library),
@@ -67,7 +67,7 @@ pub enum Command {
     Evaluate(Evaluate),
     /// Find where a model comes to rest.
     Steady(Steady),
-    /// Print the linear system of a model at an instant or at rest: A, B, C, D and eigenvalues.
+    /// Print the linear system of a model: A, B, C, D and eigenvalues.
     Linearize(Linearize),
     /// Write a model as a file for other tools.
     Export(Export),
@@ -107,7 +107,7 @@ pub struct New {
     /// Folder of the project; its name becomes that of the model.
     #[arg(value_name = "NAME")]
     pub name: PathBuf,
-    /// What the model is of.
+    /// Kind of the model.
     #[arg(long, value_name = "KIND", value_enum, default_value_t = Template::Valve)]
     pub template: Template,
 }
@@ -137,21 +137,34 @@ impl Template {
 /// A plan to be completed.
 #[derive(Args, Debug)]
 pub struct PlanSkeleton {
-    /// The model.
-    #[command(flatten)]
-    pub model: Model,
+    /// File that contains the model.
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
     /// Folder with recordings, .csv, and perhaps a table of them.
-    #[arg(value_name = "DATA", required = true)]
+    #[arg(value_name = "DATA")]
     pub data: PathBuf,
     /// The plan, .toml [default: standard output].
     #[arg(long, value_name = "FILE")]
     pub output: Option<PathBuf>,
+    /// Full name of the model [default: the last model of FILE that is not partial].
+    #[arg(long, value_name = "NAME")]
+    pub model: Option<String>,
+    /// Folder with libraries, in addition to MODELICAPATH and the shipped library; repeatable.
+    #[arg(long = "lib", value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+}
+
+impl PlanSkeleton {
+    /// The request to the compiler.
+    pub fn request(&self) -> Request {
+        request(&Some(self.file.clone()), &self.model, &self.folders, &[])
+    }
 }
 
 /// Libraries.
 #[derive(Args, Debug)]
 pub struct Library {
-    /// What to do.
+    /// The look.
     #[command(subcommand)]
     pub command: LibraryCommand,
     /// Folder with libraries, in addition to MODELICAPATH and the shipped library; repeatable.
@@ -214,13 +227,13 @@ pub struct Compare {
     #[arg(long = "name", value_name = "NAME=OTHER")]
     pub names: Vec<String>,
     /// Tolerance relative to the extent of each variable.
-    #[arg(long, value_name = "R", default_value_t = 1e-3, value_parser = tolerance)]
+    #[arg(long, allow_negative_numbers = true, value_name = "R", default_value_t = 1e-3, value_parser = tolerance)]
     pub relative: f64,
     /// Tolerance that is added to it, in the unit of the variables.
-    #[arg(long, value_name = "A", default_value_t = 0.0, value_parser = tolerance)]
+    #[arg(long, allow_negative_numbers = true, value_name = "A", default_value_t = 0.0, value_parser = tolerance)]
     pub absolute: f64,
     /// Time by which changes may come earlier or later, s [default: a 10000th of the reference's].
-    #[arg(long, value_name = "T", value_parser = tolerance)]
+    #[arg(long, allow_negative_numbers = true, value_name = "T", value_parser = tolerance)]
     pub time: Option<f64>,
     /// Draw the variables that differ most, .svg or .png.
     #[arg(long, value_name = "PATH", value_parser = picture)]

@@ -13,7 +13,7 @@ use crate::io::csv::read_text;
 /// Runs the command.
 pub fn run(options: &PlanSkeleton) -> Status {
     let mut session = Session { is_last: true, ..Session::default() };
-    let flat = session.flatten(&options.model.request());
+    let flat = session.flatten(&options.request());
     say(&session);
     let flat = match flat {
         Ok(flat) => flat,
@@ -49,7 +49,7 @@ fn plan(options: &PlanSkeleton, flat: &crate::ir::flat::FlatModel) -> Result<Str
         read.push((name, read_text(&path).map_err(|e| e.to_string())?));
     }
     let own = options.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
-    let model = options.model.file.as_deref().map(|file| relative(file, own)).unwrap_or_default();
+    let model = relative(&options.file, own);
     skeleton(flat, &model, &relative(&options.data, own), &read)
         .map_err(|why| format!("{}: {why}", options.data.display()))
 }

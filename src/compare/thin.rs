@@ -101,7 +101,7 @@ mod tests {
         }
         let tolerance = Tolerance { time: Some(0.0), ..Tolerance::default() };
         let thin = thinned(&run, &[(0, tolerance), (1, tolerance)]);
-        assert!(thin.rows() < 1500, "{} rows", thin.rows());
+        assert!(thin.rows() < 2000, "{} rows", thin.rows());
         let tenth = Tolerance { relative: 1.01e-4, ..tolerance };
         for k in 0..2 {
             let whole = Curve { time: &run.time, values: &run.data[k] };

@@ -9,6 +9,8 @@ use std::sync::Arc;
 
 use super::catalogue::kind;
 use super::compile::{Request, Session, find_in};
+use super::dotted_name::{DottedName, at as word};
+use crate::base::diag::Problems;
 use crate::base::name::name;
 use crate::base::source::Span;
 use crate::classes::{ClassGraph, ROOT};
@@ -18,6 +20,7 @@ use crate::ir::ast::{
 };
 use crate::ir::expr::Const;
 use crate::ir::instance::{ClassId, Entry, EntryKind, Scope};
+use crate::parse::lexer::lex;
 use crate::parse::token::TokenKind;
 use crate::resolve::library::Library;
 
@@ -77,24 +80,22 @@ enum Target {
     Class(ClassId),
 }
 
-/// A dotted name around a place: its parts up to the one that is there.
-struct Word {
-    parts: Vec<String>,
-    /// The last part, bytes.
-    place: (u32, u32),
-}
-
 impl Session {
     /// The declaration that the name at `offset` refers to.
     pub fn look_up(&mut self, request: &Request, offset: u32) -> Option<Found> {
-        let mut found = self.with_text(request, |cx, file, text| {
+        let (mut found, variable) = self.with_text(request, |cx, file, text| {
             let word = word(text, offset)?;
             let target = resolve(cx, file, &word, offset)?;
-            let full = enclosing(file, offset).map(|chain| chain.1);
-            Some((describe(cx, &target)?, word.parts.join("."), full))
+            // The name of a modified element is not that of a variable of the model around it.
+            let variable = enclosing(file, offset).and_then(|(chain, full)| {
+                let class = class_named(cx, file, &chain)?;
+                let is_modified = modified_name(cx, class, chain.last()?, offset).is_some();
+                (!is_modified).then(|| (full, word.parts.join(".")))
+            });
+            Some((describe(cx, &target)?, variable))
         })??;
-        found.0.value = self.value(request, found.2, &found.1);
-        Some(found.0)
+        found.value = variable.and_then(|(model, name)| self.value(request, model, &name));
+        Some(found)
     }
 
     /// All places in the text that refer to the same declaration as the name at `offset`.
@@ -107,12 +108,14 @@ impl Session {
             let target = resolve(cx, file, &word(text, offset)?, offset)?;
             let found = describe(cx, &target)?;
             let mut places = Vec::new();
-            for (at, _) in text.match_indices(found.name.as_str()) {
-                let at = at as u32;
-                let Some(other) = word(text, at).filter(|w| w.place.0 == at) else { continue };
-                if (other.place.1 - other.place.0) as usize != found.name.len() {
+            // Tokens, so that strings and comments do not count.
+            let tokens = lex(file.id, text, &mut Problems::new()).tokens;
+            for token in tokens.iter().filter(|t| t.kind == TokenKind::Ident) {
+                let at = token.start;
+                if text.get(at as usize..token.end as usize) != Some(found.name.as_str()) {
                     continue;
                 }
+                let Some(other) = word(text, at) else { continue };
                 let same = resolve(cx, file, &other, at).and_then(|target| describe(cx, &target));
                 if same.is_some_and(|same| same.path == found.path && same.place == found.place) {
                     places.push(other.place);
@@ -189,8 +192,8 @@ impl Session {
     }
 
     /// Unit and value of a variable of a model, if the model can be flattened.
-    fn value(&self, request: &Request, model: Option<String>, variable: &str) -> Option<String> {
-        let request = Request { model, ..request.clone() };
+    fn value(&self, request: &Request, model: String, variable: &str) -> Option<String> {
+        let request = Request { model: Some(model), ..request.clone() };
         let flat = Session::default().flatten(&request).ok()?;
         let found = flat.variables.iter().find(|v| v.name == variable)?;
         let value =
@@ -209,43 +212,6 @@ impl Session {
             (None, Some(unit)) => Some(format!("in {unit}")),
         }
     }
-}
-
-/// The dotted name at an offset, up to the part that is there. Subscripts between its parts are skipped.
-fn word(text: &str, offset: u32) -> Option<Word> {
-    let bytes = text.as_bytes();
-    let is_letter = |k: usize| {
-        bytes.get(k).is_some_and(|b| b.is_ascii_alphanumeric() || *b == b'_' || *b >= 0x80)
-    };
-    let mut start = offset as usize;
-    while start > 0 && is_letter(start - 1) {
-        start -= 1;
-    }
-    let mut end = offset as usize;
-    while is_letter(end) {
-        end += 1;
-    }
-    if start == end || bytes[start].is_ascii_digit() {
-        return None;
-    }
-    let place = (start as u32, end as u32);
-    let mut parts = vec![text.get(start..end)?.to_owned()];
-    while start > 0 && bytes[start - 1] == b'.' {
-        let mut at = start - 1;
-        if at > 0 && bytes[at - 1] == b']' {
-            at = text[..at].rfind('[')?;
-        }
-        let end = at;
-        while at > 0 && is_letter(at - 1) {
-            at -= 1;
-        }
-        if at == end {
-            break;
-        }
-        parts.insert(0, text.get(at..end)?.to_owned());
-        start = at;
-    }
-    Some(Word { parts, place })
 }
 
 /// The classes around a place, from the outermost, and the full name of the innermost.
@@ -273,7 +239,12 @@ fn class_named(cx: &mut Evaluator<'_>, file: &ast::File, chain: &[Arc<Class>]) -
 }
 
 /// What a name refers to: in the class that is modified there, or in the classes around it.
-fn resolve(cx: &mut Evaluator<'_>, file: &ast::File, word: &Word, offset: u32) -> Option<Target> {
+fn resolve(
+    cx: &mut Evaluator<'_>,
+    file: &ast::File,
+    word: &DottedName,
+    offset: u32,
+) -> Option<Target> {
     let Some((chain, _)) = enclosing(file, offset) else {
         return path(cx, ROOT.class, &word.parts, true);
     };

@@ -3,6 +3,7 @@ pub mod catalogue;
 pub mod cause;
 pub mod check;
 pub mod compile;
+mod dotted_name;
 pub mod files;
 pub mod lookup;
 pub mod memory;

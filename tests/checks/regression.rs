@@ -86,7 +86,7 @@ fn a_trace_that_is_off_by_one_percent_fails() {
     edited(&folder, "y = gain*sin", "y = 1.01*gain*sin");
     let ended = test(&folder, &[]);
     assert_eq!(ended.status, 1);
-    assert!(ended.out.contains("traces: `y` is 1.00"), "{}", ended.out);
+    assert!(ended.out.contains("traces: `y` is -1.0097"), "{}", ended.out);
     assert!(!ended.out.contains("`x`"), "{}", ended.out);
     let page = read(folder.path(), "mocc-test.html");
     assert!(page.contains("this run") && page.contains("<svg"), "the page shows the traces");
