@@ -21,8 +21,8 @@ use super::spatial_distribution::TransportLines;
 use super::tangent::Tangents;
 use super::torn_block::{BlockDerivativeSolver, TornBlockSolver};
 
-/// Maximum number of jumps within one function call.
-pub const JUMP_LIMIT: u32 = 100_000_000;
+/// Maximum number of jumps within one function call: a tenth of a second.
+pub const JUMP_LIMIT: u32 = 10_000_000;
 
 /// Relative step of the central differences that differentiate functions: the cube root of the
 /// rounding unit balances the truncation error (h^2) against the rounding error (eps / h).
@@ -88,6 +88,8 @@ pub struct Machine<'p> {
     pub fault_memory: Vec<f64>,
     /// The last fault.
     pub fault: Option<Fault>,
+    /// How often a function did not return.
+    pub endless_calls: u32,
     /// Allows nonlinear blocks to switch to another solution branch at a fold. The integrator first
     /// tries whether a shorter step stays on the current branch.
     pub branch_switch: bool,
@@ -138,6 +140,7 @@ impl<'p> Machine<'p> {
             memory: program.image.clone(),
             fault_memory: program.image.clone(),
             fault: None,
+            endless_calls: 0,
             branch_switch: true,
             clamp_domain: false,
             relaxed: false,
@@ -274,6 +277,7 @@ impl<'p> Machine<'p> {
     pub fn fail(&mut self, fault: Fault) -> Fault {
         self.fault_memory.copy_from_slice(&self.memory);
         self.fault = Some(fault);
+        self.endless_calls += u32::from(matches!(fault, Fault::NonTerminating { .. }));
         fault
     }
 

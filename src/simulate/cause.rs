@@ -62,6 +62,10 @@ causes! {
         error MO0940 TooManyTicks { interval: f64, ticks: f64 }
             => ("a `sample` with an interval of {interval:e} s has {ticks:.2e} events in this run"),
             help("lengthen the interval, end the run earlier, or allow more with `--max-events`");
+        /// A string is too long.
+        error MO0941 StringTooLong { time: f64, name: String }
+            => ("at time {time} s `{name}` is longer than a million characters"),
+            help("shorten it: the strings of a run are all kept");
         /// The sensitivities of a run do not exist.
         error MO0917 NoSensitivities { time: f64, why: &'static str }
             => ("at time {time} s cannot compute the sensitivities: {why}");

@@ -1,4 +1,5 @@
-//! Integers whose value is not exact: numbers of a run are doubles, which count up to 2^53.
+//! Integers and strings without a value: numbers of a run are doubles, which count up to 2^53, and strings are as long as
+//! `external::string_operator` allows.
 
 use crate::base::diag::Diagnostic;
 use crate::ir::dae::VariableKind;
@@ -12,25 +13,32 @@ use super::run::Simulation;
 /// From here on `n` and `n + 1` may be the same number.
 const TOO_LARGE: f64 = 9_007_199_254_740_992.0;
 
-/// The Integer variables of a program that a run computes, with their slots.
+/// The Integer and String variables of a program that a run computes, with their slots.
 pub fn integers(program: &Program) -> Vec<(VarId, Slot)> {
     let variables = program.blocks.dae.variables.enumerate();
-    let is_integer = |kind| matches!(kind, VariableKind::Discrete | VariableKind::Parameter);
+    let is_computed = |kind| matches!(kind, VariableKind::Discrete | VariableKind::Parameter);
     variables
-        .filter(|(_, v)| v.ty == Type::Integer && is_integer(v.kind) && !v.hidden)
+        .filter(|(_, v)| matches!(v.ty, Type::Integer | Type::String))
+        .filter(|(_, v)| is_computed(v.kind) && !v.hidden)
         .map(|(id, _)| (id, program.layout.variables[id.0 as usize]))
         .collect()
 }
 
 impl Simulation<'_, '_> {
-    /// Fails if an Integer is so large that its value may be wrong.
+    /// Fails if an Integer is so large that its value may be wrong, or a string so long that it has none.
     pub(super) fn check_integers(&self, time: f64) -> Result<(), Failure> {
         let value = |slot: Slot| self.system.machine.get(slot);
-        let found = self.integers.iter().find(|(_, slot)| value(*slot).abs() >= TOO_LARGE);
+        // No number stands for a string that is too long.
+        let is_string = |v: VarId| self.program.blocks.dae.variables[v].ty == Type::String;
+        let is_wrong = |x: f64, v| x.abs() >= TOO_LARGE || x.is_nan() && is_string(v);
+        let found = self.integers.iter().find(|(v, slot)| is_wrong(value(*slot), *v));
         let Some(&(v, slot)) = found else { return Ok(()) };
         let variable = &self.program.blocks.dae.variables[v];
         let name = variable.name.clone();
-        let cause = RunCause::IntegerTooLarge { time, name, value: value(slot) };
+        let cause = match variable.ty {
+            Type::String => RunCause::StringTooLong { time, name },
+            _ => RunCause::IntegerTooLarge { time, name, value: value(slot) },
+        };
         Err(Failure::numerics(time, Diagnostic::new(cause, variable.span)))
     }
 }

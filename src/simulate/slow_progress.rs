@@ -19,6 +19,8 @@ use super::run::Simulation;
 
 /// Steps between two looks at the progress.
 const WINDOW: u32 = 20_000;
+/// Steps between two notes of the activity.
+const STEPS_PER_NOTE: u32 = 16;
 /// Minimum progress within a window, as a fraction of the run: less means a million steps.
 const PROGRESS: f64 = 0.02;
 /// Less than this means that the limit of ten million steps ends the run.
@@ -87,13 +89,15 @@ impl Simulation<'_, '_> {
     /// fails if there would be too many of them.
     pub(super) fn watch_progress(&mut self, t: f64) -> Result<(), Failure> {
         self.progress.steps += 1;
+        if self.progress.steps.is_multiple_of(STEPS_PER_NOTE) {
+            activity::note(format!("simulating at time {t} s"));
+        }
         if self.progress.left > 0 {
             return self.sample_comparisons(t);
         } else if self.progress.steps >= WINDOW {
             let done = (t - self.progress.since) / (self.stop - self.start);
             let is_slow = done < PROGRESS;
             self.progress.is_hopeless = done < LEAST_PROGRESS;
-            activity::note(format!("simulating at time {t} s"));
             let events = std::mem::take(&mut self.progress.events);
             self.progress.steps = 0;
             self.progress.since = t;

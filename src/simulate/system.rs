@@ -223,7 +223,7 @@ impl<'p> HybridSystem<'p> {
                 &y[..n],
                 &mut base[..n],
             )
-            .map_err(recoverable)?;
+            .map_err(|_| recoverable(&self.machine))?;
         }
         Ok(self.machine.run(&program.tapes.jacobian).is_ok())
     }
@@ -284,11 +284,11 @@ impl System for HybridSystem<'_> {
         f[n..].fill(0.0);
         if let Some(sliding) = &mut self.sliding {
             let slid = sliding.derivatives(&mut self.machine, t, &y[..n], &mut f[..n]);
-            return slid.map_err(recoverable);
+            return slid.map_err(|_| recoverable(&self.machine));
         }
         self.probes.is_current = false;
         derivatives(&mut self.machine, &mut self.left_domain, self.strict, t, &y[..n], &mut f[..n])
-            .map_err(recoverable)?;
+            .map_err(|_| recoverable(&self.machine))?;
         self.probe(t);
         Ok(())
     }
@@ -307,7 +307,7 @@ impl System for HybridSystem<'_> {
         for column in 0..n {
             let range = column * dim..(column + 1) * dim;
             if j[range.clone()].iter().any(|d| !d.is_finite()) {
-                self.difference(t, y, column).map_err(recoverable)?;
+                self.difference(t, y, column).map_err(|_| recoverable(&self.machine))?;
                 j[range].copy_from_slice(&self.slope);
             }
         }
@@ -329,7 +329,7 @@ impl System for HybridSystem<'_> {
             let starts = self.pattern.column_starts();
             let range = starts[column]..starts[column + 1];
             if values[range.clone()].iter().any(|d| !d.is_finite()) {
-                self.difference(t, y, column).map_err(recoverable)?;
+                self.difference(t, y, column).map_err(|_| recoverable(&self.machine))?;
                 let rows = self.pattern.column(column);
                 for (value, &i) in values[range].iter_mut().zip(rows) {
                     *value = self.slope[i];
@@ -367,7 +367,13 @@ pub fn is_domain_fault(fault: Fault) -> bool {
     matches!(fault, Fault::Derivative { .. } | Fault::NotFinite { .. })
 }
 
-/// The machine records the fault itself.
-fn recoverable(_: Fault) -> EvalError {
-    EvalError::Recoverable(0)
+/// Calls of functions that do not return after which no shorter step is tried: each takes a tenth of a second.
+pub const MAX_ENDLESS_CALLS: u32 = 20;
+
+/// Whether a shorter step may help. The machine records the fault itself.
+fn recoverable(machine: &Machine<'_>) -> EvalError {
+    match machine.endless_calls > MAX_ENDLESS_CALLS {
+        true => EvalError::Fatal(0),
+        false => EvalError::Recoverable(0),
+    }
 }

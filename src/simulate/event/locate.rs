@@ -9,7 +9,7 @@ use crate::integrate::stepper::Stepper;
 use crate::ir::program::{Program, RelationTrigger};
 use crate::numeric::root::locate;
 use crate::runtime::machine::{Fault, Machine};
-use crate::simulate::system::HybridSystem;
+use crate::simulate::system::{HybridSystem, MAX_ENDLESS_CALLS};
 
 use super::dips::Samples;
 
@@ -175,7 +175,8 @@ impl Locator {
                     Err(fault) => {
                         failures_left = failures_left.saturating_sub(1);
                         right = left + 0.5 * (right - left);
-                        if failures_left > 0 && left < right {
+                        let is_endless = system.machine.endless_calls > MAX_ENDLESS_CALLS;
+                        if failures_left > 0 && left < right && !is_endless {
                             continue;
                         }
                         // Between the ends the interpolant may leave the domain; the end decides.

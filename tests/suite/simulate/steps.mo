@@ -169,7 +169,7 @@ model Fast
   Real x(start = 0, fixed = true);
 equation
   der(x) = 1;
-  //@ warning[MO0936] 8-24
+  //@ warning[MO0936] 3-
   when sin(1000*x) > 0 then
     n = pre(n) + 1;
   end when;
@@ -183,7 +183,7 @@ model FarFaster
   Real x(start = 0, fixed = true);
 equation
   der(x) = 1;
-  //@ warning[MO0936] 8-23
+  //@ warning[MO0936] 3-
   when sin(1e5*x) > 0 then
     n = pre(n) + 1;
   end when;

@@ -48,6 +48,7 @@ end Supplies;
 //@ error[MO0402] at lib/Translational/Damper.mo:16:3-16
 model Drive
   Translational.Mass   mass(m = 1);
+  //@ warning[MO0334] 24-29
   Translational.Spring spring(c = 100);
   //@ warning[MO0327] 24-29
   Translational.Damper damper(d = 2);
