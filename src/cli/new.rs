@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::args::New;
 use super::{Status, print};
-use crate::driver::files::template;
+use crate::driver::files::{is_shipped, template};
 use crate::io::atomic_file::{create_folder, write_file};
 
 /// The name in the templates, as that of the files and of the model.
@@ -53,8 +53,9 @@ fn create(options: &New) -> Result<String, String> {
     ))
 }
 
-/// `ServoValve` for `servo_valve`.
+/// `ServoValve` for `servo_valve`, and `ThermalModel` for `thermal`: a model would hide the package of its name.
 fn model_name(stem: &str) -> String {
     let parts = stem.split(['_', '-']).filter(|part| !part.is_empty());
-    parts.map(|part| part[..1].to_ascii_uppercase() + &part[1..]).collect()
+    let name: String = parts.map(|part| part[..1].to_ascii_uppercase() + &part[1..]).collect();
+    if is_shipped(&name) { name + "Model" } else { name }
 }

@@ -17,7 +17,7 @@ static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/lib");
 static ERROR_PAGES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/docs/errors");
 
 /// The projects that `mocc new` starts from, a folder each.
-static TEMPLATES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/templates");
+static TEMPLATES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/examples/templates");
 
 /// The files of a template, relative to the folder of the project; none if there is no such template.
 pub fn template(name: &str) -> Vec<(&'static Path, &'static [u8])> {
@@ -33,6 +33,11 @@ pub fn template(name: &str) -> Vec<(&'static Path, &'static [u8])> {
     }
     out.sort_unstable();
     out
+}
+
+/// True for the name of a package that is shipped, which a class at the top level would hide.
+pub fn is_shipped(package: &str) -> bool {
+    SHIPPED.get_dir(package).is_some()
 }
 
 /// The pages that explain diagnostics, by code: `("MO0201", "# MO0201: unknown class ...")`.

@@ -41,7 +41,8 @@ impl EquationBalance {
 }
 
 /// Counts equations and unknowns; `None` for a component with expandable connectors, whose
-/// variables depend on the surroundings.
+/// variables depend on the surroundings, or with overdetermined variables in its connectors: whether
+/// these are known from outside depends on the root of the whole model (section 9.4).
 pub(super) fn of(
     cx: &mut Evaluator<'_>,
     root: InstanceId,
@@ -52,6 +53,9 @@ pub(super) fn of(
             if let Some(class) = cx.instances[*child].class
                 && cx.kind(class) == ClassKind::ExpandableConnector
             {
+                return None;
+            }
+            if super::connect::is_connector(cx, *child) && has_overdetermined(cx, *child) {
                 return None;
             }
         }
@@ -100,6 +104,23 @@ pub(super) fn of(
     }
     equations += assigned.len();
     Some(EquationBalance { unknowns, equations })
+}
+
+/// True for a connector, or an array of connectors, with an overdetermined variable or record.
+fn has_overdetermined(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
+    cx.complete(id);
+    if cx.is_overdetermined(id) {
+        return true;
+    }
+    match cx.instances[id].kind.clone() {
+        InstanceKind::Array { elements, .. } => {
+            elements.first().is_some_and(|first| has_overdetermined(cx, *first))
+        }
+        InstanceKind::Object(children) => {
+            children.iter().any(|child| has_overdetermined(cx, *child))
+        }
+        _ => false,
+    }
 }
 
 /// True for an input of the component, declared in it or in one of its connectors.

@@ -204,8 +204,14 @@ fn guide_pages_list_the_flags_of_their_commands() {
         };
         let of_help: BTreeSet<&str> = help
             .lines()
-            .filter_map(|line| line.trim_start().strip_prefix("--"))
+            .filter_map(|line| {
+                let line = line.trim_start();
+                let long = line.strip_prefix("--");
+                // `-o, --output <FILE>`
+                long.or_else(|| line.strip_prefix('-')?.get(1..)?.strip_prefix(", --"))
+            })
             .map(|line| line.split([' ', '[']).next().unwrap_or_default())
+            .filter(|flag| *flag != "help")
             .collect();
         let path = format!("docs/guide/{name}.md");
         let Ok(page) = fs::read_to_string(root().join(&path)) else {

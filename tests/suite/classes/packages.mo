@@ -23,7 +23,7 @@ package Media
   end Water;
   model Vessel
     replaceable package Medium = Water constrainedby Linear;
-    parameter Real h = Medium.standard;
+    Real h = Medium.standard;
     Real now = Medium.enthalpy(time);
   end Vessel;
 end Media;

@@ -167,7 +167,7 @@ package Ring
 end Ring;
 //@ expect first.p.reference.gamma, third.n.reference.gamma = 1 + 1, 1 + 1
 //@ expect first.p.i, second.p.i = -2, -2
-//@ expect flat has 1 "1.0 + time"
+//@ expect flat has 1 "'second.p.reference.gamma' = 'second.priority' + time"
 
 //@ case arrays_and_elements
 // An array of connectors and a connector of each component: the graph has three cycles, of which two
