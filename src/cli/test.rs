@@ -51,7 +51,8 @@ fn carry_out(options: &Options) -> Result<Status, String> {
         |k| Some(run_test(chosen[k as usize], modelica_path())),
         |k, outcome: Outcome| {
             // With `--update` a test may still pass.
-            if !options.json && !(options.update && needs_update(&outcome)) {
+            let is_provisional = options.update && needs_update(&outcome);
+            if !options.json && !is_provisional {
                 printed = print(&summary::line(chosen[k as usize], &outcome));
             }
             outcomes.push(outcome);

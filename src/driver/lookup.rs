@@ -394,7 +394,7 @@ fn describe(cx: &mut Evaluator<'_>, target: &Target) -> Option<Found> {
                 ClassBody::Short(_) => cx.sources.text(text.span).unwrap_or_default().to_owned(),
                 _ => format!("{} {}", kind(&text), cx.classes[*class].full_name),
             };
-            (text.name.clone(), base, text.description.clone())
+            (text.name, base, text.description.clone())
         }
         Target::Component(entry) => {
             let EntryKind::Component(declaration) = &entry.kind else { return None };
@@ -407,7 +407,7 @@ fn describe(cx: &mut Evaluator<'_>, target: &Target) -> Option<Found> {
                 own.and_then(|span| cx.sources.text(span)).unwrap_or_default().trim().to_owned();
             let space = if own.starts_with('=') { " " } else { "" };
             let code = format!("{prefix} {}{space}{own}", component.name.name);
-            (component.name.clone(), code, component.description.clone())
+            (component.name, code, component.description.clone())
         }
     };
     let file = cx.sources.get(ident.span.file)?;

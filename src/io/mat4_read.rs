@@ -58,8 +58,8 @@ fn run(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Trajectory, String
         let k = k.checked_sub(1)?;
         (0..rows).map(|row| matrix.at(transposed, row, k).map(|x| sign * x)).collect()
     };
-    let mut out = Trajectory::default();
-    out.time = row_of(data, 1.0).ok_or("the matrix `data_2` has no time")?;
+    let time = row_of(data, 1.0).ok_or("the matrix `data_2` has no time")?;
+    let mut out = Trajectory { time, ..Trajectory::default() };
     let count = if transposed { names.columns } else { names.rows };
     for k in 0..count {
         let name = names.text(transposed, k);

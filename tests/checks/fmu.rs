@@ -76,9 +76,11 @@ fn an_importer_finds_the_bounces_of_a_ball() {
         let missed = ball.complete_step().expect("a step");
         assert_eq!(crossed, missed, "an indicator that changes its sign asks for an event");
         if crossed {
-            hits.push(t);
             ball.enter_event_mode().expect("event mode");
-            assert!(ball.update().expect("an event").states_changed);
+            // The relation becomes false again when the ball rises, which changes no state.
+            if ball.update().expect("an event").states_changed {
+                hits.push(t);
+            }
             ball.enter_continuous_mode().expect("continuous");
         }
     }
