@@ -25,6 +25,13 @@ def test_an_fmu_holds_the_model_and_its_runtime(tmp_path):
     assert "<ModelExchange" not in description and 'start="3.0"' in description
 
 
+@pytest.mark.skipif(not RUNTIME.exists(), reason="the package was built without the runtime")
+def test_the_package_has_a_runtime(tmp_path):
+    path = mocc.export_fmu(TANK, tmp_path / "tank.fmu")
+    with zipfile.ZipFile(path) as archive:
+        assert archive.read("binaries/x86_64-linux/Tank.so") == RUNTIME.read_bytes()
+
+
 def test_wrong_arguments(tmp_path):
     with pytest.raises(mocc.RequestError, match="fmi is 4"):
         mocc.export_fmu(TANK, tmp_path / "tank.fmu", fmi=4)

@@ -137,6 +137,12 @@ impl<'p> Exchange<'p> {
         self.evaluated = Evaluated::Nothing;
     }
 
+    /// Sets the state with this number.
+    pub fn set_state(&mut self, number: usize, value: f64) {
+        self.y[number] = value;
+        self.evaluated = Evaluated::Nothing;
+    }
+
     /// Sets an input.
     pub fn set_input(&mut self, slot: Slot, value: f64) {
         self.system.machine.set(slot, value);

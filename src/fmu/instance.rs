@@ -348,7 +348,7 @@ impl<'p> Instance<'p> {
         Ok(string_of_id(self.get(reference)? as u32).to_string())
     }
 
-    /// Sets a parameter, a start value or an input.
+    /// Sets a parameter, a start value or an input, or a state between events of Model Exchange.
     pub fn set(&mut self, reference: u32, value: f64) -> Outcome<()> {
         let v = self.variable(reference)?;
         let name = self.program.name(v);
@@ -371,6 +371,14 @@ impl<'p> Instance<'p> {
                     }
                 }
             }
+            return Ok(());
+        }
+        // CasADi sets the states one by one.
+        let state = self.program.blocks.states.iter().position(|s| s.variable == v);
+        if let (Some(k), Phase::Continuous, Some(exchange)) =
+            (state, self.phase, &mut self.exchange)
+        {
+            exchange.set_state(k, value);
             return Ok(());
         }
         if !matches!(self.phase, Phase::Instantiated | Phase::Initializing) {

@@ -84,6 +84,9 @@ fn an_importer_finds_the_bounces_of_a_ball() {
             ball.enter_continuous_mode().expect("continuous");
         }
     }
+    // States can be set one by one as well.
+    ball.set(value_reference(&program, "h"), 0.25).expect("a state");
+    assert_eq!(ball.exchange().expect("exchange").states()[0], 0.25);
     let first = (2.0_f64 / 9.81).sqrt();
     let second = first + 2.0 * 0.8 * 9.81 * first / 9.81;
     assert_eq!(hits.len(), 1 + usize::from(second < 1.0), "{hits:?}");
