@@ -199,6 +199,11 @@ const BELL: Term = Term {
     shown: "exp(-(({u} - centre)/width)^2)",
     value: |u, p| (-((u - p[0]) / p[1]).powi(2)).exp(),
 };
+const DECLINE: Term = Term {
+    modelica: "1/(1 + ({u}/width)^2)",
+    shown: "1/(1 + ({u}/width)^2)",
+    value: |u, p| 1.0 / (1.0 + (u / p[0]).powi(2)),
+};
 const SINE: Term = Term {
     modelica: "sin(wave_number*{u})",
     shown: "sin(wave_number {u})",
@@ -274,6 +279,7 @@ static FORMS: &[Form] = &[
     Form { name: "Hinge", terms: &[HINGE], shapes: &[CENTRE], is_zero_at_zero: false },
     Form { name: "OffsetHinge", terms: &[ONE, HINGE], shapes: &[CENTRE], is_zero_at_zero: false },
     Form { name: "Wave", terms: &[SINE, COSINE], shapes: &[WAVE_NUMBER], is_zero_at_zero: false },
+    Form { name: "Decline", terms: &[DECLINE], shapes: &[WIDTH], is_zero_at_zero: false },
     Form { name: "Bell", terms: &[BELL], shapes: &[CENTRE, WIDTH], is_zero_at_zero: false },
     Form { name: "Step", terms: &[STEP], shapes: &[CENTRE, WIDTH], is_zero_at_zero: false },
     Form {

@@ -47,7 +47,10 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
                     .run();
             with_formulas(search, &mut hypotheses);
             let supported = |h: &Hypothesis| {
-                h.is_supported_over(from, search.study) && h.train.total() < total - notable
+                let is_notable = h.train.total() < total - notable;
+                h.is_supported_over(from, search.study)
+                    && is_notable
+                    && search.is_needed(diagnosis, h)
             };
             let best = hypotheses.iter().position(supported).map(|k| hypotheses.remove(k));
             accepted = best.is_some();

@@ -24,6 +24,7 @@ pub mod grade;
 pub mod hypothesis;
 pub mod json;
 pub mod law_choice;
+pub mod law_refinement;
 pub mod linearise;
 pub mod merge;
 pub mod model_source;

@@ -78,6 +78,12 @@ pub struct SearchPolicy {
     pub fitted_by_validation: usize,
     /// Fits of the same effects at the same places. Default 3. More repeat what is known from other starts.
     pub fits_of_the_same: usize,
+    /// Share of what an effect that explains nearly everything leaves which a second effect must explain. Default 0.7. Less
+    /// is more often a fault of the first law's form than a second phenomenon.
+    pub second_share: f64,
+    /// Share of the excess, as explained by one effect, above which pairs without it are not searched for, if no second
+    /// effect was found and less than `many_effects_above` is left. Default 0.99.
+    pub dominant_share: f64,
     /// Steps of all fits after which no further fit begins. Default 1000; with short recordings, more by the
     /// square of `proposals_if_short`.
     pub max_steps: u64,
@@ -205,6 +211,8 @@ impl Default for SearchPolicy {
             fitted_choices: 2,
             fitted_by_validation: 2,
             fits_of_the_same: 3,
+            second_share: 0.7,
+            dominant_share: 0.99,
             max_steps: 1000,
             weak_below: 10.0,
             escaped_share: 0.7,

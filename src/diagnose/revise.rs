@@ -75,7 +75,9 @@ pub fn accept_first_better(
     diagnosis: &mut Diagnosis,
     mut hypotheses: Vec<Hypothesis>,
 ) -> bool {
-    let better = |h: &Hypothesis| h.is_supported_over(&diagnosis.after, search.study);
+    let better = |h: &Hypothesis| {
+        h.is_supported_over(&diagnosis.after, search.study) && search.is_needed(diagnosis, h)
+    };
     let best = hypotheses.iter().position(better).map(|k| hypotheses.remove(k));
     diagnosis.rejected.extend(hypotheses);
     let Some(best) = best else { return false };

@@ -17,6 +17,7 @@ use super::effective_evidence::eliminate_unsupported;
 use super::formula_fit::replace_curves;
 use super::forward_selection::forward_selection;
 use super::hypothesis::{Hypothesis, groups, plan_without_effects};
+use super::law_refinement::refine_law;
 use super::merge::{merge_variations, widen_variation};
 use super::noise::noise;
 use super::pairwise_selection::pairwise_selection;
@@ -106,6 +107,34 @@ impl<'a> Search<'a> {
         hypothesis.chi2_train() < most && hypothesis.chi2_validation() < most
     }
 
+    /// True if one effect explains so much that pairs of others are not closer at hand, and leaves little.
+    fn dominates(&self, diagnosis: &Diagnosis) -> bool {
+        let (before, after) = (&diagnosis.before, &diagnosis.after);
+        let policy = self.policy();
+        let most = 1.0 - policy.dominant_share;
+        let leaves = |of: fn(&Hypothesis) -> f64| {
+            of(after) < policy.many_effects_above && of(after) - 1.0 < most * (of(before) - 1.0)
+        };
+        groups(&after.effects).count() == 1
+            && leaves(Hypothesis::chi2_train)
+            && leaves(Hypothesis::chi2_validation)
+    }
+
+    /// False for a further effect that only corrects the form of one which explains nearly everything.
+    pub fn is_needed(&self, diagnosis: &Diagnosis, extended: &Hypothesis) -> bool {
+        let after = &diagnosis.after;
+        let is_further = groups(&extended.effects).count() > groups(&after.effects).count();
+        if after.effects.is_empty() || !is_further || !self.leads(&diagnosis.before, after) {
+            return true;
+        }
+        let left = 1.0 - self.policy().second_share;
+        let explains = |of: fn(&Hypothesis) -> f64| {
+            let limit = self.policy().train_limit(after.train.count());
+            of(extended) - 1.0 < (left * (of(after) - 1.0)).max(limit - 1.0)
+        };
+        explains(Hypothesis::chi2_train)
+    }
+
     /// Tells the observer the best result so far.
     pub fn announce(&self, diagnosis: &Diagnosis) {
         self.observer.event(&Event::Best(&diagnosis.evidence(self.study)));
@@ -164,13 +193,17 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
         return diagnosis;
     }
     widen_variation(search, &mut diagnosis);
+    refine_law(search, &mut diagnosis);
     // Beside an effect that explains nearly everything, a second one is closer at hand than a pair without it.
     let leads = search.leads(&diagnosis.before, &diagnosis.after);
     if leads {
         forward_selection(search, &mut diagnosis, 1..usual);
     }
     let left = diagnosis.after.train.total();
-    pairwise_selection(search, &mut diagnosis);
+    let is_dominated = search.dominates(&diagnosis);
+    if !is_dominated {
+        pairwise_selection(search, &mut diagnosis);
+    }
     let is_searched = leads && diagnosis.after.train.total() == left;
     if groups(&diagnosis.after.effects).count() == 1 && !is_searched {
         forward_selection(search, &mut diagnosis, 1..usual);
@@ -178,7 +211,9 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     if has_other_noise(search, &mut diagnosis) {
         return diagnosis;
     }
-    revise(search, &mut diagnosis);
+    if !is_dominated {
+        revise(search, &mut diagnosis);
+    }
     if groups(&diagnosis.after.effects).count() >= usual {
         forward_selection(search, &mut diagnosis, usual..max);
     }

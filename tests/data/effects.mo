@@ -120,6 +120,28 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-9));
     end ViscousDrag;
 
+    model DryDrag
+      extends OnMass(v_0 = 1);
+      // Friction that acts at once, but for a millionth of a metre.
+      Effects.DryDrag effect(F = 3, delta = 1e-6);
+    equation
+      connect(effect.flange, mass.flange);
+      found = {v};
+      exact = {max(0, 1 - 3/m*time)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end DryDrag;
+
+    model SmoothDrag
+      extends OnMass(v_0 = 1);
+      Effects.SmoothDrag effect(F = 3, v_0 = 0.5);
+    equation
+      connect(effect.flange, mass.flange);
+      // m dv/dt = -F tanh(v/v_0): sinh(v/v_0) decays exponentially.
+      found = {sinh(v/0.5)};
+      exact = {sinh(1/0.5)*exp(-3/(m*0.5)*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end SmoothDrag;
+
     model QuadraticDrag
       extends OnMass(v_0 = -1);
       Effects.QuadraticDrag effect(k = 3);
@@ -779,6 +801,17 @@ package EffectTests
       annotation(experiment(StopTime = 0.1, Tolerance = 1e-9));
     end BearingFriction;
 
+    model SmoothBearingFriction
+      extends Check;
+      Rotational.ConstantSpeed drive(w_0 = -2);
+      Effects.SmoothBearingFriction effect(M = 3, w_0 = 4);
+    equation
+      connect(effect.flange, drive.flange);
+      found = {effect.tau};
+      exact = {3*(exp(0.5) - exp(-0.5))/(exp(0.5) + exp(-0.5))};
+      annotation(experiment(StopTime = 0.1, Tolerance = 1e-9));
+    end SmoothBearingFriction;
+
     model BearingStribeck
       extends Check;
       Rotational.ConstantSpeed drive(w_0 = -2e-3);
@@ -866,19 +899,23 @@ package EffectTests
 
     model Backlash
       extends Check;
-      // With a spring of the same stiffness, nothing changes within the play.
+      // With a spring and a damper of the same size, nothing acts within the play but for the ends.
       Rotational.ConstantSpeed body(w_0 = 1);
       Rotational.ConstantSpeed other(w_0 = 2, phi_0 = -0.5);
-      Effects.Backlash effect(c = 200, b = 0.1, phi_0 = 0.05);
+      Effects.Backlash effect(c = 200, d = 3, b = 0.1, phi_0 = 0.05);
       Rotational.Spring spring(c = 200);
+      Rotational.Damper damper(d = 3);
       Real x = time - 0.5 - 0.05 "Twist from the middle";
     equation
       connect(effect.flange_a, body.flange);
       connect(effect.flange_b, other.flange);
       connect(spring.flange_a, body.flange);
       connect(spring.flange_b, other.flange);
-      found = {spring.tau + effect.tau};
-      exact = {200*0.05 + (if x < -0.1 then 200*(x + 0.1) elseif x > 0.1 then 200*(x - 0.1) else 0)};
+      connect(damper.flange_a, body.flange);
+      connect(damper.flange_b, other.flange);
+      found = {spring.tau + damper.tau + effect.tau};
+      exact = {200*0.05 + (if x < -0.1 then 200*(x + 0.1) + 3 elseif x > 0.1 then 200*(x - 0.1) + 3
+        elseif abs(x) > 0.09 then 3*(1 - 10*(1 - abs(x)/0.1)) else 0)};
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end Backlash;
 
@@ -1300,6 +1337,20 @@ package EffectTests
       connect(effect.flange, spool.flange);
     end ViscousDrag;
 
+    model DryDrag
+      extends Base;
+      Effects.DryDrag effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end DryDrag;
+
+    model SmoothDrag
+      extends Base;
+      Effects.SmoothDrag effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end SmoothDrag;
+
     model QuadraticDrag
       extends Base;
       Effects.QuadraticDrag effect;
@@ -1656,6 +1707,13 @@ package EffectTests
     equation
       connect(effect.flange, load.flange);
     end BearingFriction;
+
+    model SmoothBearingFriction
+      extends BesideShafts;
+      Effects.SmoothBearingFriction effect;
+    equation
+      connect(effect.flange, load.flange);
+    end SmoothBearingFriction;
 
     model BearingStribeck
       extends BesideShafts;
