@@ -3,6 +3,7 @@
 //!
 //! *In:* `ir::instance`. *Out:* `ir::flat`. Modelica 3.6, section 5.6 and chapter 9.
 mod algorithm;
+mod clocked;
 pub mod assembly;
 pub mod balance;
 pub mod bounds;
@@ -135,6 +136,7 @@ fn flatten_with(
     flat.graph = std::mem::take(&mut cx.graph);
     let mut problems = varying::apply(&mut flat, &variations);
     problems.extend(passage::apply(&mut flat, &passages));
+    problems.extend(crate::clocks::elaborate(&mut flat));
     for problem in problems {
         cx.class_graph.problems.push(problem);
     }
