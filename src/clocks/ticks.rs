@@ -423,7 +423,10 @@ fn due(flat: &mut FlatModel, count: VarId, every: i64, skip: i64) -> ExprId {
     let read = flat.read(count);
     let [every, skip, zero] = [every, skip, 0].map(|n| flat.graph.integer(n));
     let since = flat.graph.sub(read, skip);
-    let begun = flat.graph.binary(Binary::GreaterEqual, since, zero);
+    let begun = match flat.graph.as_number(skip) {
+        Some(0.0) => flat.graph.boolean(true),
+        _ => flat.graph.binary(Binary::GreaterEqual, since, zero),
+    };
     let rest = flat.graph.binary(Binary::Mod, since, every);
     let whole = flat.graph.binary(Binary::Equal, rest, zero);
     flat.graph.and(begun, whole)
