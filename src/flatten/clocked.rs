@@ -7,11 +7,12 @@ use crate::base::source::Span;
 use crate::evaluate::Evaluator;
 use crate::evaluate::builtin::argument;
 use crate::evaluate::cause::builtin::BuiltinCause;
+use crate::evaluate::demand::Demand;
 use crate::ir::ast::{self, Expr};
 use crate::ir::clock::ClockOperator;
-use crate::ir::expr::{Const, ExprId, Type};
+use crate::ir::expr::{Const, ExprId, Type, VarId};
 use crate::ir::flat::{Assert, EquationKind, Transition};
-use crate::ir::instance::Scope;
+use crate::ir::instance::{InstanceKind, Scope};
 
 /// The equations of a when-clause whose condition is a clock, as equations with this clock; `None` if its
 /// condition is not a clock.
@@ -139,4 +140,23 @@ pub(super) fn transition(
         origin: target.origin(span),
     });
     Some(())
+}
+
+/// The variables that are `inner outer`, each with the outer one.
+pub(super) fn inner_outer(cx: &mut Evaluator<'_>) -> Vec<(VarId, VarId)> {
+    let mut found = Vec::new();
+    for v in 0..cx.instance_of.len() {
+        let (id, k) = cx.instance_of[v];
+        let declaration = cx.instances[id].declaration.as_ref();
+        if !declaration.is_some_and(|d| d.element.inner && d.element.outer) {
+            continue;
+        }
+        let outer = cx.outer_of(id);
+        if let InstanceKind::Variable { first: Some(first), .. } = cx.instances[outer].kind
+            && outer != id
+        {
+            found.push((VarId(v as u32), VarId(first.0 + k as u32)));
+        }
+    }
+    found
 }

@@ -136,6 +136,9 @@ fn flatten_with(
     flat.graph = std::mem::take(&mut cx.graph);
     let mut problems = varying::apply(&mut flat, &variations);
     problems.extend(passage::apply(&mut flat, &passages));
+    if !flat.transitions.is_empty() {
+        flat.inner_outer = clocked::inner_outer(cx);
+    }
     problems.extend(crate::clocks::elaborate(&mut flat));
     for problem in problems {
         cx.class_graph.problems.push(problem);

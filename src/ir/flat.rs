@@ -54,6 +54,8 @@ pub struct FlatModel {
     pub initial_states: Vec<(Arc<str>, Span)>,
     /// The transitions of state machines. Gone after `clocks`.
     pub transitions: Vec<Transition>,
+    /// Variables of state machines that are `inner outer`, each with the outer one. Gone after `clocks`.
+    pub inner_outer: Vec<(VarId, VarId)>,
 }
 
 /// `transition(from, to, condition, immediate, reset, synchronize, priority)`
@@ -312,6 +314,7 @@ impl FlatModel {
             ownership: Ownership::default(),
             initial_states: Vec::new(),
             transitions: Vec::new(),
+            inner_outer: Vec::new(),
         }
     }
 
