@@ -69,7 +69,8 @@ pub fn replace(
             });
         }
     }
-    let mut step = Step { flat, tick, system, states: &states, rates: &rates };
+    let written = system.equations.len();
+    let mut step = Step { flat, tick, system, states: &states, rates: &rates, written };
     let increments = step.increments(method);
     let first = step.tick.first(step.flat);
     for (x, next) in states.iter().copied().zip(increments) {
@@ -171,6 +172,8 @@ struct Step<'a> {
     system: &'a mut System,
     states: &'a [VarId],
     rates: &'a FastMap<VarId, VarId>,
+    /// Number of equations before copies were added.
+    written: usize,
 }
 
 impl Step<'_> {
@@ -233,6 +236,7 @@ impl Step<'_> {
             .system
             .equations
             .iter()
+            .take(self.written)
             .filter(|e| e.input.is_none())
             .map(|e| (e.lhs, e.rhs))
             .collect();

@@ -97,7 +97,8 @@ impl Lift<'_> {
 
     /// `keep` says whether a conversion may stay at the root.
     fn root(&mut self, root: ExprId, keep: bool, origin: &Origin) -> ExprId {
-        if !self.flat.graph.any([root], |_, node| matches!(node, Node::Clocked(..))) {
+        let clocked = self.flat.graph.any([root], |_, node| matches!(node, Node::Clocked(..)));
+        if !clocked && self.flat.graph.ty(root) != Type::Clock {
             return root;
         }
         let mut done: FastMap<ExprId, ExprId> = FastMap::default();
