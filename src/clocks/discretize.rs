@@ -148,9 +148,9 @@ fn initial(
     rates: &FastMap<VarId, VarId>,
 ) -> Option<(ExprId, ExprId)> {
     let at = flat.initial_equations.iter().position(|e| match e.kind {
-        EquationKind::Equal(lhs, rhs) => flat
-            .graph
-            .any([lhs, rhs], |_, node| node == Node::Var(x) || node == Node::Der(x)),
+        EquationKind::Equal(lhs, rhs) => {
+            flat.graph.any([lhs, rhs], |_, node| node == Node::Var(x) || node == Node::Der(x))
+        }
         _ => false,
     })?;
     let EquationKind::Equal(lhs, rhs) = flat.initial_equations.remove(at).kind else { return None };
@@ -230,8 +230,7 @@ impl Step<'_> {
     /// inputs run linearly over the step.
     fn stage(&mut self, states: &[ExprId], fraction: f64, h: ExprId) -> Vec<ExprId> {
         let origin: Origin = self.tick.origin.clone();
-        let inputs: FastSet<VarId> =
-            self.system.equations.iter().filter_map(|e| e.input).collect();
+        let inputs: FastSet<VarId> = self.system.equations.iter().filter_map(|e| e.input).collect();
         let originals: Vec<(ExprId, ExprId)> = self
             .system
             .equations
@@ -243,7 +242,8 @@ impl Step<'_> {
         let own: FastSet<VarId> = self.system.variables.iter().copied().collect();
         let mut copies: FastMap<VarId, ExprId> = FastMap::default();
         for (x, value) in self.states.iter().zip(states) {
-            let name = format!("$stage{}.{}", self.flat.variables.len(), self.flat.variables[*x].name);
+            let name =
+                format!("$stage{}.{}", self.flat.variables.len(), self.flat.variables[*x].name);
             let copy = add_variable(self.flat, name, Type::Real, &origin);
             self.system.variables.push(copy);
             let read = self.flat.read(copy);

@@ -108,14 +108,17 @@ impl Lift<'_> {
             self.flat.graph.for_each_operand(e, |a| operands.push(done[&a]));
             let new = match self.flat.graph.node(e) {
                 Node::Clocked(op, _) => self.operator(e, op, &operands, keep && e == root, origin),
-                Node::If(c, ..) if self.flat.graph.ty(e) == Type::Clock => match known(self.flat, c) {
-                    Some(Const::Boolean(true)) => operands[1],
-                    Some(Const::Boolean(false)) => operands[2],
-                    _ => {
-                        self.problems.push(Diagnostic::new(ClockCause::SwitchedClock, origin.span));
-                        operands[1]
+                Node::If(c, ..) if self.flat.graph.ty(e) == Type::Clock => {
+                    match known(self.flat, c) {
+                        Some(Const::Boolean(true)) => operands[1],
+                        Some(Const::Boolean(false)) => operands[2],
+                        _ => {
+                            self.problems
+                                .push(Diagnostic::new(ClockCause::SwitchedClock, origin.span));
+                            operands[1]
+                        }
                     }
-                },
+                }
                 _ => self.flat.graph.rebuild(e, &operands),
             };
             done.insert(e, new);

@@ -102,15 +102,8 @@ pub fn of(flat: &FlatModel, items: &[Item], problems: &mut Vec<Diagnostic>) -> P
     for (node, origin) in clocked {
         places.entry(base.find(node)).or_insert(origin);
     }
-    let parts = Partitions {
-        variables,
-        sub,
-        base,
-        conversions,
-        definitions,
-        solvers,
-        clocked: places,
-    };
+    let parts =
+        Partitions { variables, sub, base, conversions, definitions, solvers, clocked: places };
     let mut reported = Vec::new();
     for (node, origin, why) in continuous {
         let base = parts.base(node);
@@ -235,7 +228,11 @@ impl Finding<'_> {
                 pending.extend(&args[1..]);
             }
             ClockOperator::Hold => {
-                self.continuous.push((node, origin.clone(), "`hold` is used with a clocked variable"));
+                self.continuous.push((
+                    node,
+                    origin.clone(),
+                    "`hold` is used with a clocked variable",
+                ));
                 self.clocked.extend(argument.map(|v| (v, origin.clone())));
             }
             ClockOperator::Event => {

@@ -317,7 +317,8 @@ fn solve_together<'e>(
 ) {
     let mut solution: FastMap<VarId, ExprId> = FastMap::default();
     for &v in unknowns {
-        let (name, model) = (format!("$solve.{}", flat.variables[v].name), flat.variables[v].clone());
+        let (name, model) =
+            (format!("$solve.{}", flat.variables[v].name), flat.variables[v].clone());
         let own = add_variable(flat, name, Type::Real, origin);
         let x = &mut flat.variables[own];
         (x.start, x.min, x.max, x.nominal) = (model.start, model.min, model.max, model.nominal);
@@ -342,17 +343,17 @@ fn solve_together<'e>(
 /// Initial equations of clocked variables that are start values become these; others are errors.
 fn initial_values(flat: &mut FlatModel, parts: &Partitions, problems: &mut Vec<Diagnostic>) {
     let count = parts.node_of_item(0);
-    let is_clocked =
-        |v: VarId| node_of(v) < count && parts.is_clocked(node_of(v));
+    let is_clocked = |v: VarId| node_of(v) < count && parts.is_clocked(node_of(v));
     let list = std::mem::take(&mut flat.initial_equations);
     for e in list {
         let EquationKind::Equal(lhs, rhs) = e.kind else {
             flat.initial_equations.push(e);
             continue;
         };
-        let concerned = flat.graph.any([lhs, rhs], |_, node| {
-            matches!(node, Node::Var(v) | Node::Pre(v) | Node::Der(v) if is_clocked(v))
-        });
+        let concerned = flat.graph.any(
+            [lhs, rhs],
+            |_, node| matches!(node, Node::Var(v) | Node::Pre(v) | Node::Der(v) if is_clocked(v)),
+        );
         if !concerned {
             flat.initial_equations.push(e);
             continue;
@@ -366,8 +367,9 @@ fn initial_values(flat: &mut FlatModel, parts: &Partitions, problems: &mut Vec<D
         });
         match value {
             Some((v, value)) => flat.variables[v].start = Some(value),
-            None => problems
-                .push(Diagnostic::new(ClockCause::ClockedInitialEquation, e.origin.span)),
+            None => {
+                problems.push(Diagnostic::new(ClockCause::ClockedInitialEquation, e.origin.span))
+            }
         }
     }
 }

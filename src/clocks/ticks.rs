@@ -310,7 +310,8 @@ fn grid(
             raw.edges.iter().map(|edge| flat.graph.and(*edge, due)).collect()
         };
         let elapsed = elapsed(flat, source, p.period, every);
-        let actions = if (every, skip) == (1, 0) { std::mem::take(&mut raw.actions) } else { vec![] };
+        let actions =
+            if (every, skip) == (1, 0) { std::mem::take(&mut raw.actions) } else { vec![] };
         let tick = Tick { conditions, actions, origin: origin.clone(), elapsed, first: None };
         ticks.insert(p.sub, tick);
     }
@@ -414,7 +415,8 @@ fn count(flat: &mut FlatModel, conditions: &[ExprId], origin: &Origin) -> VarId 
     let next = flat.graph.add(before, one);
     let actions = vec![Action::Assign(count, next)];
     let branch = WhenBranch { conditions: conditions.to_vec(), actions };
-    flat.equations.push(Equation { kind: EquationKind::When(vec![branch]), origin: origin.clone() });
+    flat.equations
+        .push(Equation { kind: EquationKind::When(vec![branch]), origin: origin.clone() });
     count
 }
 
@@ -431,4 +433,3 @@ fn due(flat: &mut FlatModel, count: VarId, every: i64, skip: i64) -> ExprId {
     let whole = flat.graph.binary(Binary::Equal, rest, zero);
     flat.graph.and(begun, whole)
 }
-

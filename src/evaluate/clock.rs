@@ -63,9 +63,8 @@ impl Evaluator<'_> {
         span: Span,
         scope: Scope,
     ) -> Option<Value> {
-        let find = |k: usize, names: &[&str]| {
-            names.iter().find_map(|name| argument(args, named, k, name))
-        };
+        let find =
+            |k: usize, names: &[&str]| names.iter().find_map(|name| argument(args, named, k, name));
         let Some(first) = find(0, &["intervalCounter", "interval", "condition", "c"]) else {
             return Some(self.clock(ClockOperator::Inferred, &[]));
         };

@@ -48,7 +48,8 @@ pub(super) fn when(
     let added = target.list().split_off(before);
     for mut equation in added {
         match &mut equation.kind {
-            EquationKind::Equal(_, value) | EquationKind::Assert(Assert { condition: value, .. }) => {
+            EquationKind::Equal(_, value)
+            | EquationKind::Assert(Assert { condition: value, .. }) => {
                 *value = at(cx, *value, clock);
             }
             EquationKind::Algorithm { values, .. } => {

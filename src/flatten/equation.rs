@@ -292,9 +292,7 @@ fn call_equation(
             cx.report(BuiltinCause::TerminateOutsideWhen, call.span);
             None
         }
-        Some("transition") => {
-            super::clocked::transition(cx, args, named, call.span, scope, target)
-        }
+        Some("transition") => super::clocked::transition(cx, args, named, call.span, scope, target),
         Some("initialState") => super::clocked::initial_state(cx, args, call.span, scope, target),
         // The connection graph has already read it.
         _ if is_graph_call(call) => Some(()),

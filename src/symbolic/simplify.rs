@@ -4,8 +4,8 @@
 
 use super::{eval, string};
 use crate::base::name::Name;
-use crate::ir::clock::ClockOperator;
 use crate::ir::builtin::ValueType;
+use crate::ir::clock::ClockOperator;
 use crate::ir::expr::{Binary, Const, ExprId, Graph, ListId, Node, Type, Unary, VarId};
 use crate::ir::external::ExternalId;
 

@@ -4,9 +4,9 @@
 use super::{States, previous, previous_of};
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
+use crate::clocks::equal;
 use crate::clocks::error::ClockCause;
 use crate::clocks::expression::{clocked, is_unknown, variable};
-use crate::clocks::equal;
 use crate::ir::clock::ClockOperator;
 use crate::ir::expr::{ExprId, Type, VarId};
 use crate::ir::flat::{Equation, EquationKind, FlatModel, Origin};
@@ -134,8 +134,7 @@ impl Guard<'_> {
                 }
             }
         }
-        Rewriter::new()
-            .apply(&mut self.flat.graph, e, &mut |_, n| replacements.get(&n).copied())
+        Rewriter::new().apply(&mut self.flat.graph, e, &mut |_, n| replacements.get(&n).copied())
     }
 
     /// Collects an equation that defines a variable; others are returned as they hold in any state.
@@ -154,7 +153,9 @@ impl Guard<'_> {
                 if !(local(self, a) && local(self, b)) {
                     let target = match (a, b) {
                         // An output of the state, which is declared around it.
-                        (Some(a), Some(b)) if self.of.contains_key(&a) && self.is_free(b, state) => {
+                        (Some(a), Some(b))
+                            if self.of.contains_key(&a) && self.is_free(b, state) =>
+                        {
                             Some((b, lhs))
                         }
                         (Some(a), _) => Some((a, rhs)),
@@ -163,7 +164,10 @@ impl Guard<'_> {
                     };
                     if let Some((v, value)) = target {
                         let value = self.within(value, state);
-                        self.define(v, Definition { state: state.to_owned(), active, value, origin });
+                        self.define(
+                            v,
+                            Definition { state: state.to_owned(), active, value, origin },
+                        );
                         return None;
                     }
                 }

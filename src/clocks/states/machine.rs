@@ -294,12 +294,11 @@ impl Writer<'_> {
         } else {
             [self.m.ticks(self.flat), self.m.time(self.flat)]
         };
-        Rewriter::new().apply(&mut self.flat.graph, t.condition, &mut |g, n| {
-            match clocked(g, n)?.0 {
-                ClockOperator::TicksInState => Some(ticks),
-                ClockOperator::TimeInState => Some(time),
-                _ => None,
-            }
+        Rewriter::new().apply(&mut self.flat.graph, t.condition, &mut |g, n| match clocked(g, n)?.0
+        {
+            ClockOperator::TicksInState => Some(ticks),
+            ClockOperator::TimeInState => Some(time),
+            _ => None,
         })
     }
 }
