@@ -92,6 +92,7 @@ fn flatten_with(
     mut connections: connect::Connections,
     inspect: impl FnOnce(&mut Evaluator<'_>, InstanceId, &mut connect::Connections, &FlatModel),
 ) -> FlatModel {
+    let errors_before = cx.problems.error_count();
     let text = cx.definition(class).cloned();
     let full_name = cx.classes[class].full_name.to_string();
     let span = text.as_ref().map_or(crate::base::source::Span::NONE, |t| t.name.span);
@@ -139,7 +140,11 @@ fn flatten_with(
     if !flat.transitions.is_empty() {
         flat.inner_outer = clocked::inner_outer(cx);
     }
-    problems.extend(crate::clocks::elaborate(&mut flat));
+    let about_clocks = crate::clocks::elaborate(&mut flat);
+    // After other errors, equations are missing that clocks would follow from.
+    if cx.problems.error_count() == errors_before {
+        problems.extend(about_clocks);
+    }
     for problem in problems {
         cx.class_graph.problems.push(problem);
     }
