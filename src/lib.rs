@@ -39,6 +39,7 @@ pub mod format;
 pub mod resolve;
 // Names to classes, and what classes have after inheritance.
 pub mod classes;
+pub mod clocks;
 // The specification's rules that only report.
 pub mod rules;
 // Expressions, functions and algorithms to values.

@@ -8,6 +8,7 @@ use crate::base::toml_file::TomlCause;
 use crate::calibrate::cause::{PlanCause, RecordingCause};
 use crate::classes::cause::ClassCause;
 use crate::classes::unsupported::LanguageCause;
+use crate::clocks::error::ClockCause;
 use crate::codegen::error::CodegenCause;
 use crate::diagnose::cause::CatalogueCause;
 use crate::driver::cause::RequestCause;
@@ -53,6 +54,7 @@ const STAGES: &[&[Entry]] = &[
     OverrideCause::ENTRIES,
     ConnectCause::ENTRIES,
     UnitCause::ENTRIES,
+    ClockCause::ENTRIES,
     LoweringCause::ENTRIES,
     StructureCause::ENTRIES,
     CodegenCause::ENTRIES,

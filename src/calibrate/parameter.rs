@@ -129,7 +129,7 @@ fn unfittable(program: &Program, v: VarId) -> Option<&'static str> {
     let variable = &program.blocks.dae.variables[v];
     match variable.ty {
         Type::Integer => Some("it is an Integer"),
-        Type::Boolean => Some("it is a Boolean"),
+        Type::Boolean | Type::Clock => Some("it is a Boolean"),
         Type::Enumeration(_) => Some("it is an enumeration"),
         Type::String => Some("it is a String"),
         Type::Real if variable.structural => {

@@ -53,9 +53,6 @@ impl ClassGraph<'_> {
 
     pub(crate) fn report_unknown_class(&mut self, path: &ast::Path, scope: Scope) {
         let Some(first) = path.parts.first() else { return };
-        if path.parts.len() == 1 && first.name.as_str() == "Clock" {
-            return self.unsupported(path.span, Construct::Clocks);
-        }
         if self.is_of_missing_import(first.name, scope) {
             return;
         }

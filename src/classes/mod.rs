@@ -124,6 +124,7 @@ impl<'a> ClassGraph<'a> {
             ("Integer", Type::Integer),
             ("Boolean", Type::Boolean),
             ("String", Type::String),
+            ("Clock", Type::Clock),
             // An external object is opaque: expressions see a string that identifies it.
             ("ExternalObject", Type::String),
         ];

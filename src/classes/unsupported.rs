@@ -11,7 +11,6 @@ pub enum Construct {
     ArrayCardinality,
     Break,
     CardinalityOutsideEquations,
-    Clocks,
     DerivativeByArray,
     DerivativeOfLoop,
     DerivativeOfOtherType,
@@ -21,7 +20,6 @@ pub enum Construct {
     IteratorWithoutRange,
     NamedStringArguments,
     SecondDerivative,
-    StateMachines,
 }
 
 impl fmt::Display for Construct {
@@ -32,7 +30,6 @@ impl fmt::Display for Construct {
             Construct::CardinalityOutsideEquations => {
                 "`cardinality` outside of equations and values of variables"
             }
-            Construct::Clocks => "clocks",
             Construct::DerivativeByArray => "derivatives of functions by arrays and records",
             Construct::DerivativeOfLoop => {
                 "the derivative of a function with a loop whose trip count is known only at run time"
@@ -50,7 +47,6 @@ impl fmt::Display for Construct {
                 "named arguments of `String` for an operator record"
             }
             Construct::SecondDerivative => "the derivative of a derivative",
-            Construct::StateMachines => "state machines",
         })
     }
 }

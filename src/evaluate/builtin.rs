@@ -85,29 +85,6 @@ const OTHERS: [&str; 44] = [
     "time",
 ];
 
-/// Operators of the language that are not supported, with the chapter they belong to.
-const LATER: &[(Construct, &[&str])] = &[
-    (
-        Construct::Clocks,
-        &[
-            "Clock",
-            "previous",
-            "hold",
-            "subSample",
-            "superSample",
-            "shiftSample",
-            "backSample",
-            "noClock",
-            "interval",
-            "firstTick",
-        ],
-    ),
-    (
-        Construct::StateMachines,
-        &["transition", "initialState", "activeState", "ticksInState", "timeInState"],
-    ),
-];
-
 /// An argument by its position, counted from 0, or by its name.
 pub(crate) fn argument<'e>(
     args: &'e [Expr],
@@ -281,9 +258,6 @@ impl Evaluator<'_> {
 
     fn report_unknown_function(&mut self, path: &crate::ir::ast::Path) {
         let name = path.to_string();
-        if let Some((what, _)) = LATER.iter().find(|(_, names)| names.contains(&&*name)) {
-            return self.unsupported(path.span, *what);
-        }
         let of_table = Unary::TABLE.iter().flat_map(|op| op.called_names());
         let of_table = of_table.chain(Binary::TABLE.iter().flat_map(|op| op.called_names()));
         let known = of_table.copied().chain(OTHERS);
@@ -325,7 +299,7 @@ impl Evaluator<'_> {
             }),
             "initial" => Some(Value::Scalar(self.graph.intern(Node::Initial, Type::Boolean))),
             "terminal" => Some(Value::Scalar(self.graph.intern(Node::Terminal, Type::Boolean))),
-            "sample" => self.sample_call(args, span, scope),
+            "sample" => self.sample_call(args, named, span, scope),
             "noEvent" => self
                 .one(args, span, scope)
                 .and_then(|v| v.map(|e| e.scalar().map(|e| Value::Scalar(self.graph.no_event(e))))),
@@ -356,7 +330,7 @@ impl Evaluator<'_> {
                 self.report(BuiltinCause::CallWithoutValue { name }, span);
                 None
             }
-            _ => return None,
+            _ => return self.clock_call(name, args, named, span, scope),
         };
         Some(result)
     }
@@ -371,28 +345,27 @@ impl Evaluator<'_> {
         }
     }
 
-    /// `sample(start, interval)`; of one argument, or of an array, it belongs to clocks.
-    fn sample_call(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
-        let (start, interval) = match args {
-            [_] => return self.clocked(span),
-            [start, interval] => (start, interval),
-            _ => {
-                self.wrong_arguments(span, "two arguments");
-                return None;
-            }
+    /// `sample(start, interval)`; of one argument, or with a clock, it belongs to clocks.
+    fn sample_call(
+        &mut self,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<Value> {
+        let second = args.get(1).or_else(|| argument(&[], named, 1, "clock"));
+        let ([first] | [first, _]) = args else {
+            self.wrong_arguments(span, "two arguments");
+            return None;
         };
-        let value = self.evaluate(start, scope);
-        if value.as_ref().is_some_and(|value| !value.dims().is_empty()) {
-            return self.clocked(span);
+        let value = self.evaluate(first, scope);
+        let Some(second) = second else { return Some(self.clocked_sample(&value?, None)) };
+        let b = self.evaluate_scalar(second, scope);
+        if b.is_some_and(|b| self.graph.ty(b) == Type::Clock) {
+            return Some(self.clocked_sample(&value?, b));
         }
-        let a = value.and_then(|value| self.scalar_of(value, start.span));
-        let b = self.evaluate_scalar(interval, scope);
+        let a = value.and_then(|value| self.scalar_of(value, first.span));
         Some(Value::Scalar(self.graph.intern(Node::Sample(a?, b?), Type::Boolean)))
-    }
-
-    fn clocked(&mut self, span: Span) -> Option<Value> {
-        self.unsupported(span, Construct::Clocks);
-        None
     }
 
     fn unary_call(&mut self, op: Unary, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {

@@ -13,6 +13,7 @@ mod binding;
 pub mod budget;
 pub mod builtin;
 pub mod cause;
+mod clock;
 mod collection;
 pub mod connection_operator;
 pub mod demand;

@@ -20,7 +20,7 @@ impl Evaluator<'_> {
         Value::Scalar(match ty {
             Type::Real => self.graph.real(0.0),
             Type::Integer => self.graph.integer(0),
-            Type::Boolean => self.graph.boolean(false),
+            Type::Boolean | Type::Clock => self.graph.boolean(false),
             Type::String => self.graph.string(""),
             Type::Enumeration(t) => self.graph.constant(Const::Enumeration(t, 1)),
         })

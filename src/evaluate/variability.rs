@@ -15,9 +15,11 @@ impl Evaluator<'_> {
             let v = match self.graph.node(n) {
                 Node::Var(v) => self.variable_variability(v),
                 Node::Time | Node::Der(_) | Node::Recorded(..) => Variability::Continuous,
-                Node::Pre(_) | Node::Initial | Node::Terminal | Node::Sample(..) => {
-                    Variability::Discrete
-                }
+                Node::Pre(_)
+                | Node::Initial
+                | Node::Terminal
+                | Node::Sample(..)
+                | Node::Clocked(..) => Variability::Discrete,
                 _ => Variability::Constant,
             };
             most = most.max(v);
@@ -33,6 +35,7 @@ impl Evaluator<'_> {
             let mut moves = false;
             self.graph.for_each_operand(n, |a| moves |= moving[&a]);
             let moves = match self.graph.node(n) {
+                Node::Clocked(..) => false,
                 _ if self.events.moving_results.contains(&n) => true,
                 Node::Var(v) => self.variable_variability(v) == Variability::Continuous,
                 Node::Time | Node::Der(_) | Node::Recorded(..) => true,
@@ -143,6 +146,7 @@ impl Evaluator<'_> {
             | Node::Initial
             | Node::Terminal
             | Node::Sample(..)
+            | Node::Clocked(..)
             | Node::Call { .. }
             | Node::Recorded(..)
             | Node::Relation(_) => false,

@@ -21,8 +21,8 @@ causes! {
             help("write an equation with `=`, or call a function");
         /// The branches of an if-equation define different discrete variables.
         error MO1274 DifferentDiscrete (section "8.3.4")
-            => ("branches must define the same discrete variables in the same order"),
-            help("sort the equations of the branches by their variables");
+            => ("branches must define the same discrete variables"),
+            help("give each branch, `else` included, an equation for each of them");
         /// The branches of an if-equation have different numbers of equations.
         error MO0232 BranchCount { first: usize, second: usize } (section "8.3.4")
             => ("the branches have {first} and {second} equations, \

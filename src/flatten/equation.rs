@@ -119,6 +119,9 @@ fn expand(
                 cx.report(FlattenCause::MisplacedWhen { inside }, e.span);
                 return None;
             }
+            if let Some(done) = super::clocked::when(cx, branches, e.span, scope, target) {
+                return done;
+            }
             let branches = cx.in_when(|cx| super::when::branches(cx, branches, scope))?;
             target.push(EquationKind::When(branches), e.span);
             Some(())
@@ -198,7 +201,7 @@ fn equate(
                 cx.report_types(span, Pairing::Equal, s, t);
                 return None;
             }
-            let discrete = |t: Type| !matches!(t, Type::Real | Type::String);
+            let discrete = |t: Type| !matches!(t, Type::Real | Type::String | Type::Clock);
             // Initial equations hold at a single instant, so continuity does not matter.
             if discrete(s) && discrete(t) && !target.initial {
                 for e in [*a, *b] {
@@ -289,6 +292,8 @@ fn call_equation(
             cx.report(BuiltinCause::TerminateOutsideWhen, call.span);
             None
         }
+        Some("transition") => super::clocked::transition(cx, args, named, call.span, scope, target),
+        Some("initialState") => super::clocked::initial_state(cx, args, call.span, scope, target),
         // The connection graph has already read it.
         _ if is_graph_call(call) => Some(()),
         _ => cx.call_alone(call, scope),

@@ -127,7 +127,14 @@ fn merge(
             }
         }
     }
-    let [first, second] = sides;
+    let [first, mut second] = sides;
+    // Equations that define the same variables may come in any order.
+    for k in 0..first.len().min(second.len()) {
+        let same = |(a, ..): &(ExprId, ExprId, _)| *a == first[k].0;
+        if let Some(at) = second[k..].iter().position(same) {
+            second.swap(k, k + at);
+        }
+    }
     if first.len() != second.len() {
         let (first, second) = (first.len(), second.len());
         cx.report(FlattenCause::BranchCount { first, second }, span);

@@ -3,6 +3,7 @@
 //!
 //! *In:* `ir::instance`. *Out:* `ir::flat`. Modelica 3.6, section 5.6 and chapter 9.
 mod algorithm;
+mod clocked;
 pub mod assembly;
 pub mod balance;
 pub mod bounds;
@@ -91,6 +92,7 @@ fn flatten_with(
     mut connections: connect::Connections,
     inspect: impl FnOnce(&mut Evaluator<'_>, InstanceId, &mut connect::Connections, &FlatModel),
 ) -> FlatModel {
+    let errors_before = cx.problems.error_count();
     let text = cx.definition(class).cloned();
     let full_name = cx.classes[class].full_name.to_string();
     let span = text.as_ref().map_or(crate::base::source::Span::NONE, |t| t.name.span);
@@ -135,6 +137,14 @@ fn flatten_with(
     flat.graph = std::mem::take(&mut cx.graph);
     let mut problems = varying::apply(&mut flat, &variations);
     problems.extend(passage::apply(&mut flat, &passages));
+    if !flat.transitions.is_empty() {
+        flat.inner_outer = clocked::inner_outer(cx);
+    }
+    let about_clocks = crate::clocks::elaborate(&mut flat);
+    // After other errors, equations are missing that clocks would follow from.
+    if cx.problems.error_count() == errors_before {
+        problems.extend(about_clocks);
+    }
     for problem in problems {
         cx.class_graph.problems.push(problem);
     }

@@ -326,7 +326,7 @@ fn second(x: &mut Xml, d: &Description<'_>) {
         let element = match s.ty {
             Type::Real => "Real",
             Type::Integer => "Integer",
-            Type::Boolean => "Boolean",
+            Type::Boolean | Type::Clock => "Boolean",
             Type::String => "String",
             Type::Enumeration(_) => "Enumeration",
         };
@@ -415,7 +415,7 @@ fn third(x: &mut Xml, d: &Description<'_>) {
         let element = match s.ty {
             Type::Real => "Float64",
             Type::Integer => "Int32",
-            Type::Boolean => "Boolean",
+            Type::Boolean | Type::Clock => "Boolean",
             Type::String => "String",
             Type::Enumeration(_) => "Enumeration",
         };

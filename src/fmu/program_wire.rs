@@ -201,7 +201,7 @@ wire_struct!(StateSet { candidates, dependent, wishes, states, selection, constr
 wire_struct!(Experiment { start, stop, interval, tolerance });
 wire_enum!(AssertionLevel { Error = 0, Warning = 1, Print(file) = 2 });
 wire_struct!(Assert { condition, message, level });
-wire_enum!(Type { Real = 0, Integer = 1, Boolean = 2, String = 3, Enumeration(id) = 4 });
+wire_enum!(Type { Real = 0, Integer = 1, Boolean = 2, String = 3, Enumeration(id) = 4, Clock = 5 });
 wire_enum!(Const { Real(bits) = 0, Integer(i) = 1, Boolean(b) = 2, String(s) = 3, Enumeration(id, k) = 4 });
 wire_struct!(Enumeration { name, literals });
 

@@ -16,6 +16,7 @@ use crate::define_id;
 use crate::external::External;
 pub use crate::external::printf::Form;
 use crate::ir::builtin::{BinaryFacts, Shape, Syntax, UnaryFacts, binary_builtins, unary_builtins};
+use crate::ir::clock::ClockOperator;
 use crate::ir::external::{ExternalId, Externals};
 
 define_id! {
@@ -52,6 +53,8 @@ pub enum Type {
     String,
     /// An enumeration.
     Enumeration(EnumId),
+    /// `Clock`. Gone after `clocks`.
+    Clock,
 }
 
 /// A literal value. Reals are kept by their bits, so that the graph can compare and hash them.
@@ -209,6 +212,8 @@ pub enum Node {
     },
     /// `sample(start, interval)`
     Sample(ExprId, ExprId),
+    /// An operator of clocks or state machines. Gone after `clocks`.
+    Clocked(ClockOperator, ListId),
     /// `initial()`
     Initial,
     /// `terminal()`
@@ -419,7 +424,7 @@ impl Const {
         match ty {
             Type::Real => Const::Real(x.to_bits()),
             Type::Integer => Const::Integer(x as i64),
-            Type::Boolean => Const::Boolean(x != 0.0),
+            Type::Boolean | Type::Clock => Const::Boolean(x != 0.0),
             Type::Enumeration(t) => Const::Enumeration(t, x as u32),
             Type::String => Const::String(name::string_of_id(x as u32)),
         }

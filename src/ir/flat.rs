@@ -50,6 +50,33 @@ pub struct FlatModel {
     pub transports: Vec<Transport>,
     /// Which component must determine which variable.
     pub ownership: Ownership,
+    /// `initialState`: dotted names of the states, and the places of the calls. Gone after `clocks`.
+    pub initial_states: Vec<(Arc<str>, Span)>,
+    /// The transitions of state machines. Gone after `clocks`.
+    pub transitions: Vec<Transition>,
+    /// Variables of state machines that are `inner outer`, each with the outer one. Gone after `clocks`.
+    pub inner_outer: Vec<(VarId, VarId)>,
+}
+
+/// `transition(from, to, condition, immediate, reset, synchronize, priority)`
+#[derive(Clone, Debug)]
+pub struct Transition {
+    /// Dotted name of the state that is left.
+    pub from: Arc<str>,
+    /// Dotted name of the state that is entered.
+    pub to: Arc<str>,
+    /// When it fires.
+    pub condition: ExprId,
+    /// At once, or one tick later.
+    pub immediate: bool,
+    /// Whether the state that is entered starts anew.
+    pub reset: bool,
+    /// Whether it waits for the final states of the state machines in the state that is left.
+    pub synchronize: bool,
+    /// Of several that could fire, the one with the lowest number does.
+    pub priority: i64,
+    /// Where it comes from.
+    pub origin: Origin,
 }
 
 /// The components that must determine the variables, if each component is balanced.
@@ -285,6 +312,9 @@ impl FlatModel {
             delays: Vec::new(),
             transports: Vec::new(),
             ownership: Ownership::default(),
+            initial_states: Vec::new(),
+            transitions: Vec::new(),
+            inner_outer: Vec::new(),
         }
     }
 

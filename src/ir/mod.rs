@@ -4,6 +4,7 @@ pub mod modification;
 pub mod instance;
 pub mod external;
 pub mod builtin;
+pub mod clock;
 pub mod expr;
 pub mod function;
 pub mod flat;

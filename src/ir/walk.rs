@@ -38,7 +38,9 @@ impl Graph {
                 visit(a);
                 visit(b);
             }
-            Node::Call { args, .. } => self.list(args).iter().copied().for_each(visit),
+            Node::Call { args, .. } | Node::Clocked(_, args) => {
+                self.list(args).iter().copied().for_each(visit);
+            }
         }
     }
 
@@ -218,7 +220,9 @@ part!(Transport, |this, visit| {
 });
 
 part!(FlatModel, |this, visit| {
-    let FlatModel { variables, equations, initial_equations, delays, transports, .. } = this;
+    let FlatModel {
+        variables, equations, initial_equations, delays, transports, transitions, ..
+    } = this;
     variables.into_iter().for_each(|v| v.walk(visit));
     for flat::Equation { kind, origin: _ } in equations.into_iter().chain(initial_equations) {
         kind.walk(visit);
@@ -227,6 +231,9 @@ part!(FlatModel, |this, visit| {
         visit(time);
     }
     transports.into_iter().for_each(|line| line.walk(visit));
+    for flat::Transition { condition, .. } in transitions {
+        visit(condition);
+    }
 });
 
 part!(Statement, |this, visit| {

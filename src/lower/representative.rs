@@ -196,12 +196,18 @@ impl RepresentativeChoice<'_> {
             .map(|m| self.variables[m.variable].state_select)
             .filter(|s| *s != StateSelect::Default)
             .max();
+        let others_may =
+            all().any(|m| self.variables[m.variable].state_select != StateSelect::Never);
         let unit = all().map(|m| self.variables[m.variable].unit).find(|u| !u.is_empty());
         let v = &mut self.variables[chosen];
         v.min = low;
         v.max = high;
         v.nominal = nominal;
-        v.state_select = preference.unwrap_or_default();
+        v.state_select = match preference {
+            // What excludes one of the variables leaves the others, so that it only is a wish.
+            Some(StateSelect::Never) if others_may => StateSelect::Avoid,
+            wish => wish.unwrap_or_default(),
+        };
         v.unit = unit.unwrap_or(v.unit);
     }
 

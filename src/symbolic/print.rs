@@ -182,6 +182,14 @@ impl Printer<'_> {
                 out.push_str(", ");
                 self.write(b, 0, out);
             }),
+            Node::Clocked(op, args) => call(out, op.name(), |out| {
+                for (i, a) in g.list(args).iter().enumerate() {
+                    if i > 0 {
+                        out.push_str(", ");
+                    }
+                    self.write(*a, 0, out);
+                }
+            }),
             Node::Call { function, output, args } => {
                 let name = format!("function{}_{}", function.0, output + 1);
                 call(out, &name, |out| {
@@ -323,6 +331,7 @@ pub fn type_name(graph: &Graph, ty: Type) -> String {
         Type::Integer => "Integer".into(),
         Type::Boolean => "Boolean".into(),
         Type::String => "String".into(),
+        Type::Clock => "Clock".into(),
         Type::Enumeration(e) => graph.enumerations[e].name.clone(),
     }
 }

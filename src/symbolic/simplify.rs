@@ -5,6 +5,7 @@
 use super::{eval, string};
 use crate::base::name::Name;
 use crate::ir::builtin::ValueType;
+use crate::ir::clock::ClockOperator;
 use crate::ir::expr::{Binary, Const, ExprId, Graph, ListId, Node, Type, Unary, VarId};
 use crate::ir::external::ExternalId;
 
@@ -143,6 +144,12 @@ impl Graph {
         }
     }
 
+    /// An operator of clocks with operands, of type `ty`.
+    pub fn clocked(&mut self, op: ClockOperator, args: &[ExprId], ty: Type) -> ExprId {
+        let args = self.intern_list(args);
+        self.intern(Node::Clocked(op, args), ty)
+    }
+
     /// `smooth(order, e)`
     pub fn smooth(&mut self, order: u32, e: ExprId) -> ExprId {
         match self.node(e) {
@@ -179,6 +186,7 @@ impl Graph {
             (Node::Smooth(k, _), &[a]) => self.smooth(k, a),
             (Node::Homotopy(..), &[a, b]) => self.intern(Node::Homotopy(a, b), Type::Real),
             (Node::Sample(..), &[a, b]) => self.intern(Node::Sample(a, b), Type::Boolean),
+            (Node::Clocked(op, _), args) => self.clocked(op, args, self.ty(e)),
             (Node::Call { function, output, .. }, args) => {
                 let ty = self.ty(e);
                 let args: ListId = self.intern_list(args);

@@ -61,7 +61,7 @@ impl Scope<'_> {
             Node::Initial | Node::Terminal | Node::Relation(_) | Node::Sample(..) => {
                 expect(Type::Boolean)
             }
-            Node::Const(_) => None,
+            Node::Const(_) | Node::Clocked(..) => None,
             Node::Unary(op, a) => match op.facts()?.result {
                 ValueType::Operand => expect(graph.ty(a)),
                 ValueType::Real => expect(Type::Real),

@@ -78,6 +78,14 @@ causes! {
         error MO1353 NotAGraphNode (section "9.4.1")
             => ("the argument must be an overdetermined variable or record of a connector"),
             help("name one whose type has a function `equalityConstraint`");
+        /// A counter or resolution of a clock is out of range.
+        error MO0355 ClockCounter (section "16.3")
+            => ("counters and factors of clocks must be 0 or more, and their resolution 1 or more"),
+            help("give Integer parameters or literals in this range");
+        /// Something other than a block is used as the state of a state machine.
+        error MO0356 NotAState (section "17.1")
+            => ("a state of a state machine must be a block"),
+            help("name a component of a class with `block`; `transition` takes two and a condition");
         /// A `String` has an invalid format.
         error MO1270 NumberFormat { format: String } (section "3.7.1")
             => ("cannot write a number in the format `{format}`"),

@@ -48,6 +48,7 @@ pub enum Expected {
     Scalar,
     Number,
     Boolean,
+    Clock,
     Integer,
     Vector,
     /// The message of an assertion.
@@ -74,6 +75,7 @@ impl Expected {
                 "join the elements with `and` or `or`, or take one of them"
             }
             Expected::Boolean => "write a comparison, such as `x > 0`",
+            Expected::Clock => "write an interval, a condition or a clock",
             Expected::Integer | Expected::Subscript => "use an Integer expression",
             Expected::Vector => "write a range such as `1:n`, or an array with one dimension",
             Expected::Message => "write `String(x)` for the value of an expression",
@@ -91,6 +93,7 @@ impl fmt::Display for Expected {
             Expected::Scalar => "a scalar",
             Expected::Number => "a number",
             Expected::Boolean => "a Boolean",
+            Expected::Clock => "a clock, or what defines one",
             Expected::Integer => "an Integer",
             Expected::Vector => "a vector",
             Expected::Message => "a String as the message",

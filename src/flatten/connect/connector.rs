@@ -214,6 +214,14 @@ pub(super) fn check_connectable(
     None
 }
 
+/// The state of a state machine that holds a variable.
+fn state_around<'f>(flat: &'f FlatModel, variable: &str) -> Option<&'f str> {
+    let of_transitions = flat.transitions.iter().flat_map(|t| [&t.from, &t.to]);
+    let mut all = of_transitions.chain(flat.initial_states.iter().map(|(state, _)| state));
+    let holds = |state: &str| variable.strip_prefix(state).is_some_and(|r| r.starts_with('.'));
+    all.find(|state| holds(state)).map(|state| &**state)
+}
+
 /// Checks that a connection set has at most one source of its signal.
 pub(super) fn check_single_source(
     cx: &mut Evaluator<'_>,
@@ -225,10 +233,14 @@ pub(super) fn check_single_source(
     let (Some((a, _)), Some((b, _))) = (sources.next(), sources.next()) else { return };
     let expandable =
         members.iter().any(|(v, _)| expandable::is_within(cx, cx.instance_of[v.0 as usize].0));
-    if a == b || expandable {
+    let (first, second) = (&flat.variables[*a], &flat.variables[*b]);
+    // Of several states, the active one gives the value (section 17.3.6).
+    let states = [first, second].map(|v| state_around(flat, &v.name));
+    let alternate = states[0].is_some() && states[1].is_some() && states[0] != states[1];
+    if a == b || expandable || alternate {
         return;
     }
-    let (a, b) = (&flat.variables[*a], &flat.variables[*b]);
+    let (a, b) = (first, second);
     let cause = ConnectCause::TwoSources { first: a.name.to_string(), second: b.name.to_string() };
     cx.problems.push(
         Diagnostic::new(cause, span)

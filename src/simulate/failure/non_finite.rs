@@ -275,7 +275,7 @@ impl<'a> Explainer<'a> {
                     let known = layout.signals.iter().find(|r| (r.0, r.1) == (v, order));
                     known.map_or(f64::NAN, |(.., slot)| at(*slot))
                 }
-                Node::Call { .. } | Node::Sample(..) => f64::NAN,
+                Node::Call { .. } | Node::Sample(..) | Node::Clocked(..) => f64::NAN,
             };
             values.insert(e, value);
         }

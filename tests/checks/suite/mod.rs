@@ -28,7 +28,7 @@ macro_rules! stages {
 }
 
 stages! {
-    calibrate check classes diagnose driver evaluate external flatten format instantiate io library lower measure
+    calibrate check classes clocks diagnose driver evaluate external flatten format instantiate io library lower measure
     parse report rules runtime sensitivity simulate structure sweep
 }
 
