@@ -255,6 +255,7 @@ impl Graph {
     }
 
     /// The external functions.
+    #[inline]
     pub fn externals(&self) -> &Arc<Externals> {
         &self.externals
     }

@@ -32,8 +32,10 @@ pub fn tear(
     let source = |row: Row| system.sources[pairs[row.0 as usize].0];
     loop {
         let torn = tearing::tear(&graph, &solvable, &IndexVec::new());
-        let unstable =
-            sizes.as_ref().map(|s| error_growth::unstable_edges(&graph, s, &torn)).unwrap_or_default();
+        let unstable = sizes
+            .as_ref()
+            .map(|s| error_growth::unstable_edges(&graph, s, &torn))
+            .unwrap_or_default();
         if !unstable.is_empty() {
             unstable.into_iter().for_each(|edge| solvable[edge] = false);
             continue;
