@@ -273,11 +273,13 @@ impl Graph {
     }
 
     /// The node of an id.
+    #[inline]
     pub fn node(&self, e: ExprId) -> Node {
         self.nodes[e]
     }
 
     /// The type of an expression.
+    #[inline]
     pub fn ty(&self, e: ExprId) -> Type {
         self.types[e]
     }
