@@ -150,3 +150,21 @@ end SpringNetwork;
 //@ let ratio = 1/(3 - 2*cos(theta))
 //@ expect each xs[7] = ratio*xm[7] abs 1e-9
 //@ expect xm[20] = sin(20*theta)*cos(sqrt(10*(1 - ratio))*10) abs 1e-4
+
+//@ case sparse_network
+// So many torn unknowns that the matrix is decomposed by its entries.
+model Grid
+  parameter Integer N = 300;
+  parameter Real theta = 3.141592653589793/(N + 1);
+  Real u[N] = {time*sin(i*theta) for i in 1:N};
+  Real x[N];
+equation
+  3*x[1] - x[2] = u[1];
+  for i in 2:N - 1 loop
+    3*x[i] - x[i - 1] - x[i + 1] = u[i];
+  end for;
+  3*x[N] - x[N - 1] = u[N];
+end Grid;
+//@ let theta = pi/301
+//@ expect each x[1] = time*sin(theta)/(3 - 2*cos(theta)) abs 1e-12
+//@ expect each x[150] = time*sin(150*theta)/(3 - 2*cos(theta)) abs 1e-12
