@@ -24,9 +24,11 @@ macro_rules! define_id {
         #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
         $vis struct $name(pub u32);
         impl $crate::base::index::Id for $name {
+            #[inline]
             fn from_usize(i: usize) -> Self {
                 $name(u32::try_from(i).expect("fewer than 2^32 objects of one kind"))
             }
+            #[inline]
             fn idx(self) -> usize {
                 self.0 as usize
             }
@@ -111,11 +113,13 @@ impl<I: Id, T> Default for IndexVec<I, T> {
 }
 impl<I: Id, T> Index<I> for IndexVec<I, T> {
     type Output = T;
+    #[inline]
     fn index(&self, i: I) -> &T {
         &self.raw[i.idx()]
     }
 }
 impl<I: Id, T> IndexMut<I> for IndexVec<I, T> {
+    #[inline]
     fn index_mut(&mut self, i: I) -> &mut T {
         &mut self.raw[i.idx()]
     }

@@ -34,6 +34,12 @@ impl VisitedSet {
         result
     }
 
+    /// Whether a node was visited.
+    #[inline]
+    pub fn contains(&self, node: usize) -> bool {
+        self.by_node[node] == self.traversal
+    }
+
     /// Marks a node as visited; true if it was not visited before.
     #[inline]
     pub fn insert(&mut self, node: usize) -> bool {

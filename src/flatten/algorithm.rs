@@ -27,6 +27,7 @@ pub(super) fn expand(
     // discarded here.
     let (started, _) =
         cx.collect_assertions(|cx| start_values(cx, &plain, scope, target, &mut outputs));
+    let plain_outputs = outputs.clone();
     if started.is_some() && cx.run_statements(&plain, scope).is_some() && !outputs.is_empty() {
         let values = outputs.iter().map(|v| cx.assigned[v]).collect();
         target.push(EquationKind::Algorithm { outputs, values }, span);
@@ -43,6 +44,7 @@ pub(super) fn expand(
             whens.push((branches, s.span));
         }
     }
+    super::when::conditions_before_assignment(cx, &mut whens, &plain_outputs);
     for (branches, span) in super::when::last_wins(whens) {
         target.push(EquationKind::When(branches), span);
     }

@@ -2,6 +2,7 @@
 
 use super::cause::{ConnectPlace, FlattenCause, WhenEquationPlace};
 use crate::base::diag::Diagnostic;
+use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
 use crate::evaluate::Evaluator;
 use crate::evaluate::assertion::Asserted;
@@ -14,6 +15,7 @@ use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
 use crate::ir::flat::{Action, Assert, WhenBranch};
 use crate::ir::instance::Scope;
+use crate::symbolic::rewrite::Rewriter;
 
 /// The branches of a when-equation.
 pub(super) fn branches(
@@ -364,22 +366,55 @@ fn is_reinit(call: &Expr) -> bool {
     }
 }
 
+/// Makes the conditions of when-statements read the values that hold where they stand: a variable that
+/// only this statement and later ones assign still has its value from before the event (Modelica 3.6,
+/// section 11.1.2). `plain` are the variables that statements outside of when-statements assign.
+pub(super) fn conditions_before_assignment(
+    cx: &mut Evaluator<'_>,
+    whens: &mut [(Vec<WhenBranch>, Span)],
+    plain: &[VarId],
+) {
+    let mut earlier: FastSet<VarId> = plain.iter().copied().collect();
+    let mut later: FastMap<VarId, usize> = FastMap::default();
+    for (k, (branches, _)) in whens.iter().enumerate() {
+        for v in assigned_in(branches) {
+            later.insert(v, k);
+        }
+    }
+    for (k, (branches, _)) in whens.iter_mut().enumerate() {
+        let mut rewriter = Rewriter::new();
+        for condition in branches.iter_mut().flat_map(|b| &mut b.conditions) {
+            *condition = rewriter.apply(&mut cx.graph, *condition, &mut |g, e| match g.node(e) {
+                Node::Var(v) if later.get(&v).is_some_and(|l| *l >= k) && !earlier.contains(&v) => {
+                    Some(g.intern(Node::Pre(v), g.ty(e)))
+                }
+                // Already the value from before.
+                Node::Pre(_) => Some(e),
+                _ => None,
+            });
+        }
+        earlier.extend(assigned_in(branches));
+    }
+}
+
+/// The variables that a when-statement assigns, ascending.
+fn assigned_in(branches: &[WhenBranch]) -> Vec<VarId> {
+    let actions = branches.iter().flat_map(|b| &b.actions);
+    let mut all: Vec<VarId> = actions
+        .filter_map(|a| match a {
+            Action::Assign(v, _) => Some(*v),
+            _ => None,
+        })
+        .collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
 /// Rewrites the when-statements of one algorithm section so that only one of them assigns each
 /// variable: if several do, the last active one counts (Modelica 3.6, section 11.2.7).
 pub(super) fn last_wins(whens: Vec<(Vec<WhenBranch>, Span)>) -> Vec<(Vec<WhenBranch>, Span)> {
-    let assigned = |branches: &[WhenBranch]| -> Vec<VarId> {
-        let actions = branches.iter().flat_map(|b| &b.actions);
-        let mut all: Vec<VarId> = actions
-            .filter_map(|a| match a {
-                Action::Assign(v, _) => Some(*v),
-                _ => None,
-            })
-            .collect();
-        all.sort_unstable();
-        all.dedup();
-        all
-    };
-    let mut counted: Vec<VarId> = whens.iter().flat_map(|(b, _)| assigned(b)).collect();
+    let mut counted: Vec<VarId> = whens.iter().flat_map(|(b, _)| assigned_in(b)).collect();
     counted.sort_unstable();
     let mut shared: Vec<VarId> =
         counted.windows(2).filter(|w| w[0] == w[1]).map(|w| w[0]).collect();

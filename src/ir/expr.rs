@@ -260,6 +260,7 @@ impl Graph {
     }
 
     /// The external functions.
+    #[inline]
     pub fn externals(&self) -> &Arc<Externals> {
         &self.externals
     }
@@ -277,11 +278,13 @@ impl Graph {
     }
 
     /// The node of an id.
+    #[inline]
     pub fn node(&self, e: ExprId) -> Node {
         self.nodes[e]
     }
 
     /// The type of an expression.
+    #[inline]
     pub fn ty(&self, e: ExprId) -> Type {
         self.types[e]
     }

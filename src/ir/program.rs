@@ -517,6 +517,7 @@ pub struct Continuation {
 
 impl Program {
     /// The external functions that its instructions refer to.
+    #[inline]
     pub fn externals(&self) -> &Arc<Externals> {
         self.blocks.dae.graph.externals()
     }

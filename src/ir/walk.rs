@@ -65,7 +65,11 @@ impl Graph {
                         }
                         stack.push((e, true));
                         let first = stack.len();
-                        self.for_each_operand(e, |a| stack.push((a, false)));
+                        self.for_each_operand(e, |a| {
+                            if !seen.contains(a.idx()) {
+                                stack.push((a, false));
+                            }
+                        });
                         stack[first..].reverse();
                     }
                 }
@@ -124,13 +128,26 @@ impl Graph {
 
     /// The variables (not `der`, not `pre`) below `e`, in order of first use.
     pub fn variables(&self, e: ExprId) -> Vec<VarId> {
-        self.postorder([e])
-            .into_iter()
-            .filter_map(|n| match self.node(n) {
-                Node::Var(v) => Some(v),
-                _ => None,
-            })
-            .collect()
+        VisitedSet::traverse(self.len(), |seen| {
+            let mut found = Vec::new();
+            let mut lists = FastSet::default();
+            let mut stack = vec![e];
+            while let Some(e) = stack.pop() {
+                if !seen.insert(e.idx()) {
+                    continue;
+                }
+                match self.node(e) {
+                    Node::Var(v) => found.push(v),
+                    Node::Call { args, .. } if !lists.insert(args) => {}
+                    _ => {
+                        let first = stack.len();
+                        self.for_each_operand(e, |a| stack.push(a));
+                        stack[first..].reverse();
+                    }
+                }
+            }
+            found
+        })
     }
 }
 

@@ -5,6 +5,7 @@
 //! stays the oracle of [`jit`]; [`tangent`] propagates derivatives along an evaluation.
 //! Nothing here compiles: whatever a program needs was decided by `codegen`.
 
+pub mod block_matrix;
 pub mod delay;
 pub mod frame;
 pub mod host;

@@ -9,6 +9,7 @@ use crate::numeric::linear::DenseLu;
 use crate::numeric::newton::{Newton, NewtonOutcome, NewtonSettings, NonlinearSystem, Region};
 use crate::numeric::pseudo_inverse::PseudoInverse;
 
+use super::block_matrix::SparseBlock;
 use super::machine::{Fault, Machine};
 
 /// Working memory for a torn block.
@@ -27,8 +28,12 @@ enum BlockMethod {
 
 /// The last matrix of a linear block and its factorization: most matrices change at events only.
 struct Linear {
+    /// Used instead of the dense matrix until a matrix is found to be singular.
+    sparse: Option<Box<SparseBlock>>,
     lu: DenseLu,
     matrix: Vec<f64>,
+    /// The entries of the matrix, and those that were factored.
+    entries: Vec<f64>,
     factored: Vec<f64>,
     valid: bool,
     /// Pseudoinverse of a singular matrix, and the unknown it leaves undetermined, for the message.
@@ -49,12 +54,14 @@ impl TornBlockSolver {
     pub fn new(torn_block: &TornBlock) -> Self {
         let n = torn_block.unknowns.len();
         let method = if torn_block.linear {
-            let zeros = || vec![0.0; n * n];
-            let lu = DenseLu::new(n);
+            let sparse = SparseBlock::new(n, &torn_block.jacobian).map(Box::new);
             BlockMethod::Linear(Linear {
-                lu,
-                matrix: zeros(),
-                factored: zeros(),
+                sparse,
+                // The pages of a large dense matrix are taken when it is first written.
+                lu: DenseLu::new(n),
+                matrix: vec![0.0; n * n],
+                entries: vec![0.0; torn_block.jacobian.len()],
+                factored: vec![0.0; torn_block.jacobian.len()],
                 valid: false,
                 singular: None,
                 has_factors: false,
@@ -288,15 +295,30 @@ impl Linear {
                 return Ok(());
             }
         }
-        self.matrix.fill(0.0);
-        for e in &torn_block.jacobian {
-            self.matrix[e.row as usize + n * e.column as usize] = machine.get(e.slot);
+        for (entry, e) in self.entries.iter_mut().zip(&torn_block.jacobian) {
+            *entry = machine.get(e.slot);
         }
         let same = self.valid
-            && self.matrix.iter().zip(&self.factored).all(|(a, b)| a.to_bits() == b.to_bits());
+            && self.entries.iter().zip(&self.factored).all(|(a, b)| a.to_bits() == b.to_bits());
         if !same {
             self.valid = false;
+            if self.sparse.as_mut().is_some_and(|sparse| sparse.factor(&self.entries).is_err()) {
+                // The dense matrix knows what to do with a singular one.
+                self.sparse = None;
+            }
+        }
+        if let Some(sparse) = &mut self.sparse {
+            self.factored.copy_from_slice(&self.entries);
+            self.valid = true;
+            sparse.solve_in_place(z);
+            return Ok(());
+        }
+        if !same {
             self.singular = None;
+            self.matrix.fill(0.0);
+            for (e, entry) in torn_block.jacobian.iter().zip(&self.entries) {
+                self.matrix[e.row as usize + n * e.column as usize] = *entry;
+            }
             let factored = self.lu.factor(&self.matrix);
             self.was_singular |= factored.is_err();
             if self.was_singular
@@ -311,7 +333,7 @@ impl Linear {
                 }
             }
             self.has_factors = factored.is_ok();
-            self.factored.copy_from_slice(&self.matrix);
+            self.factored.copy_from_slice(&self.entries);
             self.valid = true;
         }
         let Some((singular, unknown)) = &self.singular else {
@@ -384,6 +406,9 @@ impl NonlinearSystem for BlockEquations<'_, '_> {
 
 /// Working memory for the derivatives of a torn block.
 pub struct BlockDerivativeSolver {
+    /// Used instead of the dense matrix until a matrix is found to be singular.
+    sparse: Option<Box<SparseBlock>>,
+    entries: Vec<f64>,
     lu: DenseLu,
     /// The matrix was singular before: pivots of the size of rounding errors count as zero.
     was_singular: bool,
@@ -396,6 +421,8 @@ impl BlockDerivativeSolver {
     pub fn new(derivative: &BlockDerivative) -> Self {
         let n = derivative.order;
         BlockDerivativeSolver {
+            sparse: SparseBlock::new(n, &derivative.jacobian).map(Box::new),
+            entries: vec![0.0; derivative.jacobian.len()],
             lu: DenseLu::new(n),
             was_singular: false,
             matrix: vec![0.0; n * n],
@@ -410,13 +437,26 @@ impl BlockDerivativeSolver {
         memory: &mut [f64],
     ) -> Result<(), Fault> {
         let n = derivative.order;
-        self.matrix.fill(0.0);
         self.columns.fill(0.0);
-        for e in &derivative.jacobian {
-            self.matrix[e.row as usize + n * e.column as usize] = memory[e.slot as usize];
-        }
         for e in &derivative.seeds {
             self.columns[e.row as usize + n * e.column as usize] = -memory[e.slot as usize];
+        }
+        for (entry, e) in self.entries.iter_mut().zip(&derivative.jacobian) {
+            *entry = memory[e.slot as usize];
+        }
+        if self.sparse.as_mut().is_some_and(|sparse| sparse.factor(&self.entries).is_err()) {
+            self.sparse = None;
+        }
+        if let Some(sparse) = &mut self.sparse {
+            for column in self.columns.chunks_exact_mut(n) {
+                sparse.solve_in_place(column);
+            }
+            self.write_results(derivative, memory);
+            return Ok(());
+        }
+        self.matrix.fill(0.0);
+        for (e, entry) in derivative.jacobian.iter().zip(&self.entries) {
+            self.matrix[e.row as usize + n * e.column as usize] = *entry;
         }
         let factored = self.lu.factor(&self.matrix);
         self.was_singular |= factored.is_err();
@@ -435,9 +475,13 @@ impl BlockDerivativeSolver {
                 inverse.solve_in_place(column);
             }
         }
+        self.write_results(derivative, memory);
+        Ok(())
+    }
+
+    fn write_results(&self, derivative: &BlockDerivative, memory: &mut [f64]) {
         for (slot, value) in derivative.results.iter().zip(&self.columns) {
             memory[*slot as usize] = *value;
         }
-        Ok(())
     }
 }

@@ -1,5 +1,6 @@
 //! Sorts a matched system into a sequence of blocks.
 
+use super::error_growth::ErrorGrowth;
 use super::incidence::EquationSystem;
 use super::{solve, tear};
 use crate::base::index::FastMap;
@@ -12,15 +13,24 @@ use crate::symbolic::linear;
 
 /// The blocks of a system in order of evaluation (block lower triangular form).
 pub fn sequence(dae: &mut Dae, system: &EquationSystem, matching: &Matching) -> Vec<Block> {
-    scc::blocks(&system.graph, matching).iter().map(|pairs| block(dae, system, pairs)).collect()
+    let mut growth = ErrorGrowth::default();
+    scc::blocks(&system.graph, matching)
+        .iter()
+        .map(|pairs| block(dae, system, pairs, &mut growth))
+        .collect()
 }
 
-fn block(dae: &mut Dae, system: &EquationSystem, pairs: &[(Row, Col)]) -> Block {
+fn block(
+    dae: &mut Dae,
+    system: &EquationSystem,
+    pairs: &[(Row, Col)],
+    growth: &mut ErrorGrowth,
+) -> Block {
     let (discrete, continuous): (Vec<_>, Vec<_>) =
         pairs.iter().partition(|(row, _)| matches!(system.sources[*row], Source::Discrete(_)));
     match (&discrete[..], &continuous[..]) {
         ([], [single]) => single_equation(dae, system, *single),
-        ([], _) => Block::Torn(tear::tear(dae, system, pairs)),
+        ([], _) => Block::Torn(tear::tear(dae, system, pairs, growth)),
         ([single], []) => match assignment(dae, system, *single) {
             Some(assignment) => Block::Assign(assignment),
             None => Block::Mixed(discrete_assignments(dae, system, &discrete)),
@@ -28,7 +38,7 @@ fn block(dae: &mut Dae, system: &EquationSystem, pairs: &[(Row, Col)]) -> Block 
         _ => {
             let mut parts = Vec::new();
             for inner in ordered(system, &continuous) {
-                parts.push(block(dae, system, &inner));
+                parts.push(block(dae, system, &inner, growth));
             }
             parts.extend(discrete_assignments(dae, system, &discrete));
             Block::Mixed(parts)

@@ -1,7 +1,8 @@
 //! Tears blocks of simultaneous equations.
 
+use super::error_growth::{ErrorGrowth, LONG_SEQUENCE};
 use super::incidence::EquationSystem;
-use super::{solve, sort};
+use super::{error_growth, solve, sort};
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::graph::bipartite::{Bipartite, Col, Edge, Row};
 use crate::graph::tearing;
@@ -12,17 +13,33 @@ use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::linear;
 
 /// Tears a block of equations that must be solved together.
-pub fn tear(dae: &mut Dae, system: &EquationSystem, pairs: &[(Row, Col)]) -> Torn {
+pub fn tear(
+    dae: &mut Dae,
+    system: &EquationSystem,
+    pairs: &[(Row, Col)],
+    growth: &mut ErrorGrowth,
+) -> Torn {
     let (graph, _) = sort::subgraph(system, pairs);
     let unknowns: IndexVec<Col, VarId> = pairs.iter().map(|p| system.unknowns[p.1]).collect();
     let residuals: IndexVec<Row, ExprId> =
         pairs.iter().map(|p| solve::residual(dae, system.sources[p.0])).collect();
     let members: FastSet<VarId> = unknowns.iter().copied().collect();
     let linear = linear::is_linear(&dae.graph, residuals.iter().copied(), |v| members.contains(&v));
-    let mut solvable = solvable(dae, &graph, &residuals, &unknowns, &members);
+    let Coefficients { partials, mut solvable } =
+        coefficients(dae, &graph, &residuals, &unknowns, &members);
+    let sizes = (linear && pairs.len() >= LONG_SEQUENCE)
+        .then(|| growth.scaled_sizes(dae, &graph, &partials));
     let source = |row: Row| system.sources[pairs[row.0 as usize].0];
     loop {
         let torn = tearing::tear(&graph, &solvable, &IndexVec::new());
+        let unstable = sizes
+            .as_ref()
+            .map(|s| error_growth::unstable_edges(&graph, s, &torn))
+            .unwrap_or_default();
+        if !unstable.is_empty() {
+            unstable.into_iter().for_each(|edge| solvable[edge] = false);
+            continue;
+        }
         let mut explicit = Vec::with_capacity(torn.explicit.len());
         let mut rejected = None;
         for (row, col) in torn.explicit {
@@ -53,16 +70,24 @@ pub fn tear(dae: &mut Dae, system: &EquationSystem, pairs: &[(Row, Col)]) -> Tor
     }
 }
 
-/// For each incidence, whether the equation is linear in the unknown with a coefficient that cannot
-/// vanish. One reverse sweep per equation gives all coefficients.
-fn solvable(
+/// What is known of each incidence.
+struct Coefficients {
+    /// The partial derivative of the residual by the unknown, if it is not zero.
+    partials: IndexVec<Edge, Option<ExprId>>,
+    /// Whether the equation is linear in the unknown with a coefficient that cannot vanish.
+    solvable: IndexVec<Edge, bool>,
+}
+
+/// The coefficients of a block. One reverse sweep per equation gives all of them.
+fn coefficients(
     dae: &mut Dae,
     graph: &Bipartite,
     residuals: &IndexVec<Row, ExprId>,
     unknowns: &IndexVec<Col, VarId>,
     members: &FastSet<VarId>,
-) -> IndexVec<Edge, bool> {
+) -> Coefficients {
     let mut solvable = IndexVec::filled(false, graph.edge_count());
+    let mut known = IndexVec::filled(None, graph.edge_count());
     for row in graph.rows() {
         let residual = residuals[row];
         let wanted = |leaf| matches!(leaf, Leaf::Var(v) if members.contains(&v));
@@ -71,14 +96,14 @@ fn solvable(
         let hidden = linear::hidden_variables(&dae.graph, residual);
         for edge in graph.edges(row) {
             let v = unknowns[graph.col(edge)];
-            let partial = partials.get(&Leaf::Var(v));
+            known[edge] = partials.get(&Leaf::Var(v)).copied();
             solvable[edge] = !hidden.contains(&v)
-                && partial.is_some_and(|partial| {
-                    solve::is_never_zero(dae, *partial) && keeps_its_magnitude(dae, *partial)
+                && known[edge].is_some_and(|partial| {
+                    solve::is_never_zero(dae, partial) && keeps_its_magnitude(dae, partial)
                 });
         }
     }
-    solvable
+    Coefficients { partials: known, solvable }
 }
 
 /// Maximum ratio between the branches of a coefficient.

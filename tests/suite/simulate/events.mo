@@ -188,3 +188,24 @@ equation
   der(v) = -x;
   annotation(experiment(StopTime = 1e6, Interval = 1));
 end Long;
+
+//@ case condition_before_assignment
+// A section starts with the values from before the event, so the second condition reads what `high` was:
+// with its new value, true would make it false and false would make it true.
+model Latch
+  Real x = sin(6*time);
+  Boolean high(start = false, fixed = true);
+  Integer n(start = 0, fixed = true);
+algorithm
+  when x > 0.5 then
+    high := true;
+    n := pre(n) + 1;
+  elsewhen x < 0.5 and high then
+    high := false;
+    n := pre(n) + 10;
+  end when;
+  annotation(experiment(StopTime = 3));
+end Latch;
+//@ expect events "x > 0.5 became true" = 3 at (asin(0.5) + 2*acos(-1)*(k - 1))/6 rel 1e-6
+//@ expect n = 33
+//@ expect n at 0.4, 0.5 = 1, 11

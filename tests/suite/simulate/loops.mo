@@ -122,3 +122,49 @@ equation
 end Kepler;
 //@ expect each E - 0.6*sin(E) = 2*time abs 1e-9
 //@ expect E at pi/2 = pi abs 0.02
+
+//@ case network_of_springs
+// Solved one node after another, the springs between nodes multiply rounding errors by 2.6 in each.
+// The first mode is xm = sin(i*theta)*cos(w*t), and the nodes follow with a ratio of 1/(3 - 2*cos(theta)).
+model SpringNetwork
+  parameter Integer N = 40;
+  parameter Real m = 1;
+  parameter Real k = 10;
+  parameter Real theta = 3.141592653589793/(N + 1);
+  Real xm[N](start = {sin(i*theta) for i in 1:N}, each fixed = true);
+  Real v[N](each start = 0, each fixed = true);
+  Real xs[N];
+equation
+  for i in 1:N loop
+    der(xm[i]) = v[i];
+    m*der(v[i]) = k*(xs[i] - xm[i]);
+  end for;
+  k*(xs[1] - xm[1]) + k*xs[1] + k*(xs[1] - xs[2]) = 0;
+  for i in 2:N - 1 loop
+    k*(xs[i] - xm[i]) + k*(xs[i] - xs[i - 1]) + k*(xs[i] - xs[i + 1]) = 0;
+  end for;
+  k*(xs[N] - xm[N]) + k*(xs[N] - xs[N - 1]) + k*xs[N] = 0;
+  annotation(experiment(StopTime = 10));
+end SpringNetwork;
+//@ let theta = pi/41
+//@ let ratio = 1/(3 - 2*cos(theta))
+//@ expect each xs[7] = ratio*xm[7] abs 1e-9
+//@ expect xm[20] = sin(20*theta)*cos(sqrt(10*(1 - ratio))*10) abs 1e-4
+
+//@ case sparse_network
+// So many torn unknowns that the matrix is decomposed by its entries.
+model Grid
+  parameter Integer N = 300;
+  parameter Real theta = 3.141592653589793/(N + 1);
+  Real u[N] = {time*sin(i*theta) for i in 1:N};
+  Real x[N];
+equation
+  3*x[1] - x[2] = u[1];
+  for i in 2:N - 1 loop
+    3*x[i] - x[i - 1] - x[i + 1] = u[i];
+  end for;
+  3*x[N] - x[N - 1] = u[N];
+end Grid;
+//@ let theta = pi/301
+//@ expect each x[1] = time*sin(theta)/(3 - 2*cos(theta)) abs 1e-12
+//@ expect each x[150] = time*sin(150*theta)/(3 - 2*cos(theta)) abs 1e-12
