@@ -22,6 +22,7 @@ use super::blocks::{Blocks, Source};
 use super::dae::Dae;
 use super::expr::{Binary, ExprId, Unary, VarId};
 use super::external::Externals;
+use super::foreign::Foreign;
 use crate::base::source::Span;
 
 /// Index of a value in the memory.
@@ -501,6 +502,8 @@ pub struct Program {
     pub bounds: Vec<Bounds>,
     /// The simplified system from which initialization continues, if the model uses `homotopy`.
     pub continuation: Option<Box<Continuation>>,
+    /// The foreign model that computes the variables, which are then inputs of the program.
+    pub foreign: Option<Arc<Foreign>>,
 }
 
 /// The model with `(1 - lambda) simplified + lambda actual` for each `homotopy(actual,
