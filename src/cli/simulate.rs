@@ -295,7 +295,7 @@ fn summary(
     let mut out = format!(
         "{}: {} states{algebraics}, {equations} equations ({} trivial), to {} s\n",
         dae.name,
-        program.blocks.states.len(),
+        states(program),
         dae.eliminated.len(),
         s.end
     );

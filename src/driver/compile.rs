@@ -526,7 +526,8 @@ impl Session {
         }
         let Some(path) = &request.file else { return Ok(None) };
         if request.text.is_none() && is_fmu(path) {
-            self.problems.push(needs_equations(path, "this command needs the equations of a model"));
+            self.problems
+                .push(needs_equations(path, "this command needs the equations of a model"));
             return Err(CompileError::Request);
         }
         let path = if request.text.is_some() && path == Path::new("-") {

@@ -12,7 +12,7 @@ use crate::fmu::cause::FmuCause;
 use crate::fmu::import::{model, text};
 use crate::ir::expr::Type;
 use crate::ir::flat::{Causality, FlatModel, Variability};
-use crate::ir::foreign::{Foreign, ForeignModel};
+use crate::ir::foreign::{Foreign, ForeignModel, ForeignRole, ForeignVariable};
 use crate::ir::program::Program;
 
 use super::compile::{CompileError, Request, Session};
@@ -32,7 +32,8 @@ impl Session {
             return Ok(Cow::Borrowed(request));
         };
         if !request.takes_fmu {
-            self.problems.push(needs_equations(file, "this command needs the equations of a model"));
+            self.problems
+                .push(needs_equations(file, "this command needs the equations of a model"));
             return Err(CompileError::Request);
         }
         let path = file.display().to_string();
@@ -49,13 +50,22 @@ impl Session {
         let interface = foreign.interface();
         let mut request = request.clone();
         request.text = Some(text::model(interface));
-        let names: FastMap<String, &str> =
-            interface.variables.iter().map(|v| (plain(&v.name), v.name.as_str())).collect();
+        let names: FastMap<String, &ForeignVariable> =
+            interface.variables.iter().map(|v| (plain(&v.name), v)).collect();
         for setting in &mut request.settings {
             let Some((name, value)) = setting.split_once('=') else { continue };
-            if let Some(name) = names.get(&plain(name)) {
-                *setting = format!("{}={value}", text::identifier(name));
-            }
+            let (name, attribute) = match plain(name) {
+                name if names.contains_key(&name) => (name, ""),
+                name => match name.strip_suffix(".start") {
+                    Some(variable) => (variable.to_owned(), ".start"),
+                    None => (name, ""),
+                },
+            };
+            let Some(variable) = names.get(&name) else { continue };
+            // Without a recording an input keeps the value that it starts with.
+            let is_input = variable.role == ForeignRole::Input;
+            let attribute = if is_input { ".start" } else { attribute };
+            *setting = format!("{}{attribute}={value}", text::identifier(&variable.name));
         }
         self.foreign = Some(foreign);
         Ok(Cow::Owned(request))
@@ -103,7 +113,8 @@ impl Session {
             variables.enumerate().map(|(id, v)| (v.name.as_str(), id)).collect();
         let own = model.interface().variables.iter().enumerate();
         let found = own.filter_map(|(k, v)| Some((*known.get(v.name.as_str())?, k)));
-        program.foreign = Some(Arc::new(Foreign { variables: found.collect(), model: Arc::clone(model) }));
+        program.foreign =
+            Some(Arc::new(Foreign { variables: found.collect(), model: Arc::clone(model) }));
     }
 }
 

@@ -55,8 +55,10 @@ impl Archive {
         let unreadable =
             |e: std::io::Error| FmuCause::FileOfFmu { path: path.clone(), why: e.to_string() };
         let bytes = fs::read(file).map_err(unreadable)?;
-        let broken =
-            |e: zip::result::ZipError| FmuCause::BadArchive { path: path.clone(), why: e.to_string() };
+        let broken = |e: zip::result::ZipError| FmuCause::BadArchive {
+            path: path.clone(),
+            why: e.to_string(),
+        };
         let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
         if zip.len() > MOST_ENTRIES {
             let what = format!("{} entries", zip.len());
@@ -148,7 +150,9 @@ mod tests {
         assert_eq!(refused(std::slice::from_ref(&good), 0), "");
         assert_eq!(refused(std::slice::from_ref(&good), 30), "MO1305");
         assert_eq!(refused(&[("other.xml".to_owned(), b"")], 1), "MO1305");
-        for (k, name) in ["../evil.so", "resources/../../evil", "/evil", "a\\..\\b"].iter().enumerate() {
+        for (k, name) in
+            ["../evil.so", "resources/../../evil", "/evil", "a\\..\\b"].iter().enumerate()
+        {
             let files = [good.clone(), ((*name).to_owned(), &b""[..])];
             let found = refused(&files, 0);
             assert_eq!(found, "MO1306", "{k}: {name}");

@@ -167,11 +167,22 @@ pub struct AfterStep {
     pub ends: bool,
 }
 
+/// What kind of fault it is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ForeignFaultKind {
+    /// The model has no value at this point: a shorter step may avoid it.
+    Avoidable,
+    /// The run cannot go on.
+    Final,
+    /// The file of the model is of no use.
+    Input,
+}
+
 /// Why an operation failed.
 #[derive(Clone, PartialEq, Debug)]
 pub struct ForeignFault {
-    /// The model has no value at this point: a shorter step may avoid it.
-    pub is_avoidable: bool,
+    /// Its kind.
+    pub kind: ForeignFaultKind,
     /// The message, which names the model.
     pub diagnostic: Box<Diagnostic>,
 }

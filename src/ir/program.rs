@@ -524,6 +524,12 @@ impl Program {
         self.blocks.dae.graph.externals()
     }
 
+    /// Number of states: those of the foreign model, if there is one.
+    pub fn state_count(&self) -> usize {
+        let own = self.blocks.states.len();
+        self.foreign.as_ref().map_or(own, |foreign| foreign.model.interface().states)
+    }
+
     /// Number of components that the integrator sees: states, then algebraic unknowns.
     pub fn order(&self) -> usize {
         self.layout.derivatives.len()

@@ -5,6 +5,7 @@
 
 use roxmltree::{Document, Node, ParsingOptions};
 
+use crate::base::index::FastMap;
 use crate::fmu::description::Version;
 use crate::ir::foreign::{ForeignRole, ForeignType, ForeignVariable};
 
@@ -134,7 +135,8 @@ impl From<String> for Unusable {
 
 /// Reads a description.
 pub fn read(text: &str) -> Result<Described, Unusable> {
-    let options = ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES, ..Default::default() };
+    let options =
+        ParsingOptions { allow_dtd: false, nodes_limit: MOST_NODES, ..Default::default() };
     let document = Document::parse_with_options(text, options).map_err(|e| e.to_string())?;
     let root = document.root_element();
     if root.tag_name().name() != "fmiModelDescription" {
@@ -153,8 +155,8 @@ pub fn read(text: &str) -> Result<Described, Unusable> {
         if identifier.is_empty() || !identifier.chars().all(is_plain) {
             return Err(format!("the model identifier of {name} is not a C identifier"));
         }
-        let differentiates = flag(e, "providesDirectionalDerivative")
-            || flag(e, "providesDirectionalDerivatives");
+        let differentiates =
+            flag(e, "providesDirectionalDerivative") || flag(e, "providesDirectionalDerivatives");
         let needs_completed_steps = match version {
             Version::Two => !flag(e, "completedIntegratorStepNotNeeded"),
             Version::Three => flag(e, "needsCompletedIntegratorStep"),
@@ -211,12 +213,12 @@ fn variables(root: Node<'_, '_>, out: &mut Described) -> Result<Vec<Listed>, Str
     let list = child(root, "ModelVariables").ok_or("it has no variables")?;
     let types = Types::of(root);
     let elements: Vec<Node<'_, '_>> = list.children().filter(Node::is_element).collect();
+    let mut known = FastMap::default();
     let mut listed = Vec::with_capacity(elements.len());
     for e in &elements {
         let name = e.attribute("name").ok_or("a variable has no name")?;
-        let reference = whole(*e, "valueReference")?.ok_or_else(|| {
-            format!("`{name}` has no value reference")
-        })?;
+        let reference = whole(*e, "valueReference")?
+            .ok_or_else(|| format!("`{name}` has no value reference"))?;
         let typed = match out.version {
             Version::Two => e.children().find(Node::is_element),
             Version::Three => Some(*e),
@@ -229,7 +231,7 @@ fn variables(root: Node<'_, '_>, out: &mut Described) -> Result<Vec<Listed>, Str
         if e.attribute("causality") == Some("independent") {
             continue;
         }
-        scalars(*e, typed, reference, passing, &count, &types, out)?;
+        scalars(*e, typed, reference, passing, &count, &types, &mut known, out);
         if out.values > MOST_VALUES {
             return Err(format!("it declares more than {MOST_VALUES} values"));
         }
@@ -238,6 +240,7 @@ fn variables(root: Node<'_, '_>, out: &mut Described) -> Result<Vec<Listed>, Str
 }
 
 /// Adds the scalars of a variable and of its aliases.
+#[allow(clippy::too_many_arguments)]
 fn scalars(
     e: Node<'_, '_>,
     typed: Node<'_, '_>,
@@ -245,21 +248,19 @@ fn scalars(
     passing: Passing,
     dimensions: &[usize],
     types: &Types<'_, '_>,
+    known: &mut FastMap<(u32, u8), usize>,
     out: &mut Described,
-) -> Result<(), String> {
+) {
     let name = e.attribute("name").unwrap_or_default();
     let count: usize = dimensions.iter().product();
-    let known = out.groups.iter().rposition(|g| g.reference == reference && g.passing == passing);
-    // In FMI 2 aliases are variables with the same reference, which follow each other or not.
-    let first = match known.filter(|_| out.version == Version::Two) {
-        Some(k) => out.groups[k].first,
-        None => {
-            let first = out.values;
-            out.groups.push(Group { reference, passing, first, count });
-            out.values += count;
-            first
-        }
-    };
+    // Variables with the same reference are aliases.
+    let first = *known.entry((reference, passing as u8)).or_insert_with(|| {
+        let first = out.values;
+        out.groups.push(Group { reference, passing, first, count });
+        out.values += count;
+        first
+    });
+    let count = count.min(out.values - first);
     let starts = start(e, typed).unwrap_or_default();
     let starts: Vec<f64> = starts.split_whitespace().filter_map(literal).collect();
     let causality = e.attribute("causality").unwrap_or("local");
@@ -308,14 +309,14 @@ fn scalars(
             });
         }
     }
-    Ok(())
 }
 
 /// The states, their derivatives and the event indicators.
 fn structure(root: Node<'_, '_>, listed: &[Listed], out: &mut Described) -> Result<(), String> {
     let Some(structure) = child(root, "ModelStructure") else { return Ok(()) };
     let by_index = |k: u32| listed.get((k as usize).wrapping_sub(1));
-    let by_reference = |r: u32| listed.iter().find(|l| l.reference == r);
+    let numbered: FastMap<u32, &Listed> = listed.iter().map(|l| (l.reference, l)).collect();
+    let by_reference = |r: u32| numbered.get(&r).copied();
     let mut derivatives = Vec::new();
     match out.version {
         Version::Two => {

@@ -218,9 +218,8 @@ impl Instance {
             // SAFETY: signatures of FMI 3.0; all strings live through the call.
             unsafe {
                 if load.stepping {
-                    let make = library
-                        .get::<Stepping>(b"fmi3InstantiateCoSimulation")
-                        .map_err(missing)?;
+                    let make =
+                        library.get::<Stepping>(b"fmi3InstantiateCoSimulation").map_err(missing)?;
                     make(
                         name,
                         token,
@@ -449,7 +448,11 @@ impl Instance {
                     LAST_SUCCESSFUL_TIME => c_int, &mut last => *mut f64);
                 let _ = call!(self, "fmi2GetBooleanStatus",
                     TERMINATED => c_int, &mut terminated => *mut c_int);
-                if terminated != 0 || last > t { Ok((last.max(t), terminated != 0)) } else { done.map(|()| (t, false)) }
+                if terminated != 0 || last > t {
+                    Ok((last.max(t), terminated != 0))
+                } else {
+                    done.map(|()| (t, false))
+                }
             }
             Err(trouble) => Err(trouble),
         }
@@ -475,7 +478,12 @@ impl Instance {
     }
 
     /// Gets the values of groups of one type, one after the other.
-    pub fn get(&self, passing: Passing, groups: &[Group], out: &mut Vec<f64>) -> Result<(), Trouble> {
+    pub fn get(
+        &self,
+        passing: Passing,
+        groups: &[Group],
+        out: &mut Vec<f64>,
+    ) -> Result<(), Trouble> {
         let references: Vec<u32> = groups.iter().map(|g| g.reference).collect();
         let count: usize = groups.iter().map(|g| g.count).sum();
         macro_rules! fetch {

@@ -135,13 +135,7 @@ fn interface(described: &Described, kind: &Kind, stepping: bool) -> ForeignInter
     }
 }
 
-fn load(
-    described: &Described,
-    kind: &Kind,
-    stepping: bool,
-    folder: &Path,
-    library: &str,
-) -> Load {
+fn load(described: &Described, kind: &Kind, stepping: bool, folder: &Path, library: &str) -> Load {
     let text = |path: PathBuf| path.to_string_lossy().into_owned();
     Load {
         library: text(folder.join(library)),

@@ -17,7 +17,9 @@ use super::message::{Answer, Load, Order, Point, receive, send};
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::fmu::cause::FmuCause;
-use crate::ir::foreign::{AfterEvent, AfterStep, At, ForeignFault, ForeignInstance};
+use crate::ir::foreign::{
+    AfterEvent, AfterStep, At, ForeignFault, ForeignFaultKind, ForeignInstance,
+};
 
 /// The hidden command of the child.
 pub const COMMAND: &str = "fmu-host";
@@ -68,19 +70,19 @@ pub struct Remote {
     ended: bool,
 }
 
-fn fault(cause: FmuCause, messages: &[String], is_avoidable: bool) -> ForeignFault {
+fn fault(cause: FmuCause, messages: &[String], kind: ForeignFaultKind) -> ForeignFault {
     let mut diagnostic = Diagnostic::new(cause, Span::NONE);
     for message in messages {
         diagnostic = diagnostic.note(format!("the FMU says: {}", message.trim().escape_debug()));
     }
-    ForeignFault { is_avoidable, diagnostic: Box::new(diagnostic) }
+    ForeignFault { kind, diagnostic: Box::new(diagnostic) }
 }
 
 impl Remote {
     /// Starts a child and loads the FMU in it.
     pub fn start(file: &str, load: Load) -> Result<Remote, ForeignFault> {
         let no_process = |why: String| {
-            fault(FmuCause::NoProcess { path: file.to_owned(), why }, &[], false)
+            fault(FmuCause::NoProcess { path: file.to_owned(), why }, &[], ForeignFaultKind::Final)
         };
         let words = PROGRAM.get().filter(|words| !words.is_empty());
         let words = words.ok_or_else(|| no_process("its program is not known".to_owned()))?;
@@ -128,23 +130,30 @@ impl Remote {
             return Err(self.has_ended(doing));
         }
         match receive::<Answer>(&mut self.stream, &mut self.buffer) {
-            Ok(Answer::NotLoaded(why)) => {
-                Err(fault(FmuCause::NotLoadable { path: path(), why }, &[], false))
-            }
+            Ok(Answer::NotLoaded(why)) => Err(fault(
+                FmuCause::NotLoadable { path: path(), why },
+                &[],
+                ForeignFaultKind::Input,
+            )),
             Ok(Answer::NotInstantiated(messages)) => {
-                Err(fault(FmuCause::NotInstantiated { path: path() }, &messages, false))
+                let cause = FmuCause::NotInstantiated { path: path() };
+                Err(fault(cause, &messages, ForeignFaultKind::Input))
             }
             Ok(Answer::Failed(call, status, messages, is_avoidable)) => {
                 let call = format!("`{call}` {doing}");
                 let cause = FmuCause::FailedCall { path: path(), call, status };
-                Err(fault(cause, &messages, is_avoidable))
+                let kind = match is_avoidable {
+                    true => ForeignFaultKind::Avoidable,
+                    false => ForeignFaultKind::Final,
+                };
+                Err(fault(cause, &messages, kind))
             }
             Ok(answer) => Ok(answer),
             Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
                 self.stop();
                 let what = format!("a call {doing}");
                 let cause = FmuCause::Hanging { path: path(), seconds, doing: what };
-                Err(fault(cause, &[], false))
+                Err(fault(cause, &[], ForeignFaultKind::Final))
             }
             Err(_) => Err(self.has_ended(doing)),
         }
@@ -168,15 +177,24 @@ impl Remote {
         };
         self.ended = true;
         let doing = doing.to_owned();
-        fault(FmuCause::Crashed { path: self.file.clone(), how, doing }, &[], false)
+        fault(
+            FmuCause::Crashed { path: self.file.clone(), how, doing },
+            &[],
+            ForeignFaultKind::Final,
+        )
     }
 
     fn damaged(&self) -> ForeignFault {
         let why = "its messages cannot be read".to_owned();
-        fault(FmuCause::NoProcess { path: self.file.clone(), why }, &[], false)
+        fault(FmuCause::NoProcess { path: self.file.clone(), why }, &[], ForeignFaultKind::Final)
     }
 
-    fn numbers(&mut self, order: &Order, doing: &str, count: usize) -> Result<Vec<f64>, ForeignFault> {
+    fn numbers(
+        &mut self,
+        order: &Order,
+        doing: &str,
+        count: usize,
+    ) -> Result<Vec<f64>, ForeignFault> {
         match self.ask(order, doing)? {
             Answer::Numbers(numbers) if numbers.len() == count => Ok(numbers),
             _ => Err(self.damaged()),

@@ -11,12 +11,8 @@ pub fn model(interface: &ForeignInterface) -> String {
         out.push_str(&declaration(v));
     }
     let [start, stop, step, tolerance] = interface.experiment;
-    let entries = [
-        ("StartTime", start),
-        ("StopTime", stop),
-        ("Interval", step),
-        ("Tolerance", tolerance),
-    ];
+    let entries =
+        [("StartTime", start), ("StopTime", stop), ("Interval", step), ("Tolerance", tolerance)];
     let entries: Vec<String> =
         entries.iter().filter_map(|(key, x)| Some(format!("{key}={}", (*x)?))).collect();
     if !entries.is_empty() {

@@ -6,7 +6,9 @@ use crate::integrate::options::Options;
 use crate::integrate::outcome::Step;
 use crate::integrate::stepper::JacobianMemory;
 use crate::integrate::system::{EvalError, System};
-use crate::ir::foreign::{AfterEvent, At, ForeignFault, ForeignInstance, ForeignInterface};
+use crate::ir::foreign::{
+    AfterEvent, At, ForeignFault, ForeignFaultKind, ForeignInstance, ForeignInterface,
+};
 use crate::ir::trajectory::Event;
 use crate::simulate::cause::RunCause;
 use crate::simulate::failure::{Failure, of_integration};
@@ -63,10 +65,18 @@ impl Exchanged<'_, '_> {
 
     fn noted(&mut self, outcome: Result<(), ForeignFault>) -> Result<(), EvalError> {
         outcome.map_err(|fault| {
-            let error = if fault.is_avoidable { EvalError::Recoverable(0) } else { EvalError::Fatal(0) };
+            let error = match fault.kind {
+                ForeignFaultKind::Avoidable => EvalError::Recoverable(0),
+                _ => EvalError::Fatal(0),
+            };
             self.fault = Some(fault);
             error
         })
+    }
+
+    /// The model has failed for good: another method of integration does not help.
+    fn has_failed(&self) -> bool {
+        self.fault.as_ref().is_some_and(|fault| fault.kind != ForeignFaultKind::Avoidable)
     }
 }
 
@@ -84,6 +94,9 @@ impl System for Exchanged<'_, '_> {
             f.fill(0.0);
             return Ok(());
         }
+        if self.has_failed() {
+            return Err(EvalError::Fatal(0));
+        }
         let outcome = self.evaluate(t, y, f);
         self.noted(outcome)
     }
@@ -91,6 +104,9 @@ impl System for Exchanged<'_, '_> {
     fn jacobian(&mut self, t: f64, y: &[f64], j: &mut [f64]) -> Result<(), EvalError> {
         if self.states == 0 {
             return Ok(());
+        }
+        if self.has_failed() {
+            return Err(EvalError::Fatal(0));
         }
         self.inputs_at(t);
         let at = At { t, states: &y[..self.states], inputs: &self.inputs };
@@ -245,7 +261,9 @@ impl Exchange<'_, '_, '_> {
     /// A failure of the integrator: that of the model, if it caused it.
     fn explained(&mut self, why: crate::integrate::outcome::Failure) -> Failure {
         use crate::integrate::outcome::Failure as Integration;
+        let is_final = self.system.has_failed();
         match (self.system.fault.take(), &why) {
+            (Some(fault), _) if is_final => failure(fault, self.t),
             (Some(fault), Integration::Eval { .. }) => failure(fault, self.t),
             _ => of_integration(&self.system.rows.machine, why, self.t),
         }

@@ -12,12 +12,12 @@ use std::time::Instant;
 
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
-use crate::ir::foreign::{Foreign, ForeignFault};
+use crate::ir::foreign::{Foreign, ForeignFault, ForeignFaultKind};
 use crate::ir::program::Program;
 
 use self::rows::Rows;
 use super::cause::RunCause;
-use super::failure::Failure;
+use super::failure::{Failure, FailureKind};
 use super::record::Sink;
 use super::run::Statistics;
 use super::sensitivity::Input;
@@ -33,7 +33,8 @@ pub(super) fn run_to(
 ) -> Result<Statistics, Failure> {
     if !inputs.is_empty() {
         // Calibrations then take differences.
-        let cause = RunCause::NoSensitivities { time: settings.start, why: "an FMU does not provide them" };
+        let cause =
+            RunCause::NoSensitivities { time: settings.start, why: "an FMU does not provide them" };
         return Err(Failure::numerics(settings.start, Diagnostic::new(cause, Span::NONE)));
     }
     if program.order() > 0 {
@@ -63,5 +64,9 @@ pub(super) fn run_to(
 
 /// A fault of the model as a failure of the run.
 fn failure(fault: ForeignFault, time: f64) -> Failure {
-    Failure::numerics(time, *fault.diagnostic)
+    let kind = match fault.kind {
+        ForeignFaultKind::Input => FailureKind::Settings,
+        ForeignFaultKind::Avoidable | ForeignFaultKind::Final => FailureKind::Numerics,
+    };
+    Failure { kind, time, diagnostic: fault.diagnostic }
 }

@@ -30,6 +30,8 @@ struct Watched {
 pub(super) struct Rows<'p> {
     pub machine: Machine<'p>,
     pub recorder: Recorder,
+    /// Distance of the rows, s.
+    pub interval: f64,
     /// Rows so far.
     pub count: u64,
     /// The values of the last row.
@@ -90,9 +92,14 @@ impl<'p> Rows<'p> {
         }
         driven.sort_unstable();
         driven.dedup_by_key(|pair| pair.0);
+        // Measures look at rows: a sweep that keeps none still needs them.
+        let spacing = settings.spacing.filter(|_| has_expressions && settings.instants.is_none());
+        let interval = spacing.map_or(settings.interval, |spacing| spacing.min(settings.interval));
+        let recorder = Recorder::new(program, &Settings { interval, ..settings.clone() });
         Ok(Rows {
             machine,
-            recorder: Recorder::new(program, settings),
+            recorder,
+            interval,
             count: 0,
             now: vec![0.0; watched.len()],
             file: foreign.model.file().to_owned(),

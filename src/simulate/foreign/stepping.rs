@@ -21,7 +21,8 @@ pub(super) fn run(
     settings: &Settings,
     sink: &mut dyn Sink,
 ) -> Result<Statistics, Failure> {
-    let Settings { start, stop, interval, tolerance, .. } = *settings;
+    let Settings { start, stop, tolerance, .. } = *settings;
+    let interval = rows.interval;
     let values = rows.overridden(start);
     let started = instance.initialise([start, stop], tolerance, &values);
     started.map_err(|fault| failure(fault, start))?;
