@@ -13,7 +13,11 @@ const RESERVE: Duration = Duration::from_millis(200);
 
 /// Serves the process that has started this one.
 pub fn run() -> Status {
-    match crate::fmu::import::host::serve() {
+    #[cfg(unix)]
+    let served = crate::fmu::import::host::serve().map_err(|e| e.to_string());
+    #[cfg(not(unix))]
+    let served = Err::<(), _>("FMUs run on Linux and macOS only".to_owned());
+    match served {
         Ok(()) => Status::Done,
         Err(why) => {
             eprintln!("error: `mocc {COMMAND}` is started by mocc itself: {why}");

@@ -295,13 +295,13 @@ fn summary(
     let mut out = format!(
         "{}: {} states{algebraics}, {equations} equations ({} trivial), to {} s\n",
         dae.name,
-        states(program),
+        program.state_count(),
         dae.eliminated.len(),
         s.end
     );
     // Without states nothing is integrated: the steps are those of the table.
     let steps = match program.order() {
-        0 => String::new(),
+        0 if program.foreign.is_none() => String::new(),
         _ => format!(" {} steps ({} rejected) by {},", i.steps, i.rejected, s.method),
     };
     out.push_str(&format!("  {} events,{steps} {} rows\n", run.trajectory.events.len(), s.rows));

@@ -8,9 +8,11 @@
 //! reaches the run as a message that names it.
 
 pub mod description;
+#[cfg(unix)]
 pub mod host;
 pub mod library;
 pub mod message;
 pub mod model;
+#[cfg_attr(not(unix), path = "no_remote.rs")]
 pub mod remote;
 pub mod text;

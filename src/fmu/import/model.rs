@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::description::{Described, Kind, Unusable, read};
 use super::message::Load;
-use super::remote::Remote;
+use super::remote;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::fmu::archive::Archive;
@@ -163,7 +163,7 @@ impl ForeignModel for Fmu {
 
     fn instantiate(&self, watched: &[usize]) -> Result<Box<dyn ForeignInstance>, ForeignFault> {
         let load = Load { watched: watched.to_vec(), ..self.load.clone() };
-        Ok(Box::new(Remote::start(&self.file, load)?))
+        remote::start(&self.file, load)
     }
 }
 

@@ -78,9 +78,13 @@ fn fault(cause: FmuCause, messages: &[String], kind: ForeignFaultKind) -> Foreig
     ForeignFault { kind, diagnostic: Box::new(diagnostic) }
 }
 
+/// Starts a child and loads the FMU in it.
+pub fn start(file: &str, load: Load) -> Result<Box<dyn ForeignInstance>, ForeignFault> {
+    Ok(Box::new(Remote::start(file, load)?))
+}
+
 impl Remote {
-    /// Starts a child and loads the FMU in it.
-    pub fn start(file: &str, load: Load) -> Result<Remote, ForeignFault> {
+    fn start(file: &str, load: Load) -> Result<Remote, ForeignFault> {
         let no_process = |why: String| {
             fault(FmuCause::NoProcess { path: file.to_owned(), why }, &[], ForeignFaultKind::Final)
         };
