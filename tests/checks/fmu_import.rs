@@ -393,7 +393,7 @@ fn an_exported_model_comes_back() {
         assert_eq!(ended.status, 0, "{}", ended.err);
         for kind in ["me", "cs"] {
             let words = ["simulate", "ball.fmu", "--fmi-type", kind, "--quiet", "--stop", "0.4"];
-            let measure = ["--output", "ball.csv", "--measure", "h = final(h)"];
+            let measure = ["--output", "ball.csv", "--measure", "height = final(h)"];
             let ended = mocc(folder.path(), &[&words[..], &measure[..]].concat());
             assert_eq!(ended.status, 0, "{}", ended.err);
             let value = ended.out.split('=').nth(1).and_then(|v| v.trim().parse::<f64>().ok());

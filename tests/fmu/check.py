@@ -209,6 +209,21 @@ def derivatives(mocc: str, folder: Path) -> None:
     print("  derivatives")
 
 
+def casadi_reads_the_jacobian(mocc: str, folder: Path) -> None:
+    """The Jacobian by CasADi, where it is installed, is that of the equations at a = 1, b = 2, where z = 1."""
+    try:
+        import casadi
+    except ImportError:
+        return
+    fmu = str(folder / "casadi.fmu")
+    run(mocc, "export", "fmu", "tests/fmu/models.mo", "--model", "Hybrid.Smooth", "--fmi", "3", "-o", fmu)
+    model = casadi.DaeBuilder("smooth", str(extract(fmu)), {})
+    found = np.array(model.create("f", ["x"], ["ode"]).jacobian()([1, 2], 0))
+    expected = np.array([[-1.5, -0.25 + np.cos(2)], [-np.exp(-1) - 0.5, -0.25]])
+    expect(np.allclose(found, expected), f"CasADi: {found}")
+    print("  CasADi")
+
+
 def imported(mocc: str, fmu: str, folder: Path) -> None:
     """An FMU, run by mocc, equals the same run in FMPy."""
     description = read_model_description(fmu)
@@ -279,6 +294,7 @@ def main() -> None:
         if not sys.argv[2:]:
             states_and_threads(mocc, Path(folder))
             derivatives(mocc, Path(folder))
+            casadi_reads_the_jacobian(mocc, Path(folder))
             imports(mocc, Path(folder))
     if failures:
         raise SystemExit(f"{len(failures)} findings")

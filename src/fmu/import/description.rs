@@ -451,7 +451,7 @@ fn number(e: Node<'_, '_>, name: &str) -> Result<Option<f64>, String> {
 fn whole(e: Node<'_, '_>, name: &str) -> Result<Option<u32>, String> {
     let Some(text) = e.attribute(name) else { return Ok(None) };
     let found = text.trim().parse::<u32>();
-    found.map(Some).map_err(|_| format!("`{name}` is `{text}`, which is not a whole number"))
+    found.map(Some).map_err(|_| format!("`{name}` is `{text}`, which is not an Integer"))
 }
 
 fn start<'a>(e: Node<'a, '_>, typed: Node<'a, '_>) -> Option<&'a str> {
