@@ -70,7 +70,8 @@ impl Archive {
             let name = entry.name().map_err(broken)?.into_owned();
             let is_harmless = entry.enclosed_name().is_some()
                 && !name.split(['/', '\\']).any(|part| part == "..")
-                && !name.contains('\\')
+                && !name.starts_with('/')
+                && !name.contains(['\\', ':'])
                 && !entry.is_symlink();
             if !is_harmless {
                 return Err(FmuCause::UnsafeEntry { path, entry: name });
