@@ -9,6 +9,28 @@ use super::plan::Plan;
 use super::result::{Calibration, Estimate};
 use super::table::shown;
 
+/// The command that runs a calibrated FMU, which cannot be extended.
+pub fn command(plan: &Plan, found: &Calibration) -> String {
+    let state = if found.fit.complete { "" } else { "; the fit was interrupted" };
+    let mut out = format!(
+        "# Calibrated by `mocc calibrate {}`:\n# reduced chi-square {:.4}{state}.\nmocc simulate '{}'",
+        file_name(&found.plan),
+        found.reduced_train(),
+        plan.model.display()
+    );
+    let fixed = plan.fixed.iter().filter_map(|setting| setting.split_once('='));
+    for (name, value) in fixed {
+        out.push_str(&format!(" \\\n  --set '{}={}'", name.trim(), value.trim()));
+    }
+    for (target, estimate) in &assigned(plan, found) {
+        let inner = target.strip_prefix("start(").and_then(|t| t.strip_suffix(')'));
+        let name = inner.map_or_else(|| target.clone(), |v| format!("{}.start", v.trim()));
+        out.push_str(&format!(" \\\n  --set '{name}={:?}'", estimate.value));
+    }
+    out.push('\n');
+    out
+}
+
 /// The source; `original` is that of the model's file.
 pub fn text(original: &str, program: &Program, plan: &Plan, found: &Calibration) -> String {
     let full = &found.model;

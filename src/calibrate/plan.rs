@@ -165,6 +165,7 @@ impl Plan {
             recorded: self.inputs.iter().map(|i| i.input.clone()).collect(),
             folders: self.libraries.clone(),
             modelica_path,
+            takes_fmu: true,
             packed: self.memory.packed.clone(),
             ..Request::new(Some(self.model.clone()), self.name.clone())
         }

@@ -11,6 +11,7 @@ use crate::base::diag::Problems;
 use crate::base::source::SourceMap;
 use crate::driver::compile::{CompileError, Session};
 use crate::driver::files;
+use crate::driver::foreign::is_fmu;
 use crate::ir::program::Program;
 use crate::simulate::failure::Failure;
 
@@ -48,7 +49,8 @@ pub struct Request {
 pub struct Outcome {
     /// Estimates, their errors and the quality of the fit.
     pub calibration: Calibration,
-    /// The model's file, followed by a model that extends it with the estimates.
+    /// The model's file, followed by a model that extends it with the estimates; for an FMU the command that runs it
+    /// with them.
     pub model: String,
     /// The file of the model.
     pub model_path: PathBuf,
@@ -150,7 +152,10 @@ pub fn calibrate(
         complete: !observer.is_cancelled(),
     };
     let calibration = Calibration::new(problem, plan, &data.repairs, &fitted.fit, of, summary)?;
-    let model = calibrated_model::text(original, program, plan, &calibration);
+    let model = match is_fmu(&plan.model) {
+        true => calibrated_model::command(plan, &calibration),
+        false => calibrated_model::text(original, program, plan, &calibration),
+    };
     let values = problem.values(&fitted.fit.x);
     let covariance = fitted.statistics.covariance_of(&problem.parameters, &values);
     Ok(Outcome { calibration, model, model_path: plan.model.clone(), values, covariance })
@@ -187,8 +192,11 @@ pub fn read_plan(
     Ok(plan)
 }
 
-/// The source of the model's file.
+/// The source of the model's file; an FMU has none.
 pub fn original(plan: &Plan) -> Result<String, CalibrationError> {
+    if is_fmu(&plan.model) {
+        return Ok(String::new());
+    }
     plan.memory.model.clone().map_or_else(|| read(&plan.model), Ok)
 }
 

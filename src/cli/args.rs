@@ -11,6 +11,7 @@ use regex_lite::Regex;
 use super::{Status, modelica_path, project, standard_input};
 use crate::base::diag::Severity;
 use crate::driver::compile::Request;
+use crate::fmu::import::model::Integrating;
 use crate::io::format::extensions;
 use crate::ir::program::SystemForm;
 use crate::simulate::settings::Method;
@@ -520,6 +521,27 @@ pub struct Running {
     /// Record only variables whose name matches this regular expression.
     #[arg(long, value_name = "REGEX", value_parser = Regex::new)]
     pub variables: Option<Regex>,
+    /// Who integrates an FMU: mocc (Model Exchange) or the FMU (Co-Simulation) [default: me, if FILE offers it].
+    #[arg(long, value_name = "TYPE", value_enum)]
+    pub fmi_type: Option<ImportedType>,
+}
+
+/// Who integrates an imported FMU.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ImportedType {
+    /// Model Exchange.
+    Me,
+    /// Co-Simulation.
+    Cs,
+}
+
+impl From<ImportedType> for Integrating {
+    fn from(kind: ImportedType) -> Self {
+        match kind {
+            ImportedType::Me => Integrating::Here,
+            ImportedType::Cs => Integrating::There,
+        }
+    }
 }
 
 /// A page about a model and its runs.

@@ -12,6 +12,7 @@ use crate::calibrate::policy::FitPolicy;
 use crate::calibrate::result::Calibration;
 use crate::calibrate::run::{Outcome, Request, run as calibrate};
 use crate::driver::compile::Session;
+use crate::driver::foreign::is_fmu;
 use crate::io::atomic_file::write_file;
 
 /// Runs the command.
@@ -55,11 +56,12 @@ pub fn run(options: &Calibrate) -> Status {
 /// Writes all files; returns their names.
 fn write(folder: &Path, outcome: &Outcome, seconds: f64) -> Result<Vec<PathBuf>, String> {
     let stem = outcome.model_path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = if is_fmu(&outcome.model_path) { "sh" } else { "mol" };
     let calibration = &outcome.calibration;
     let files = [
         ("calibration.json".to_owned(), calibration.json(seconds)),
         ("calibration.html".to_owned(), page::html(calibration, seconds)),
-        (format!("{stem}_calibrated.mol"), outcome.model.clone()),
+        (format!("{stem}_calibrated.{extension}"), outcome.model.clone()),
     ];
     let mut written = Vec::new();
     for (name, text) in files {

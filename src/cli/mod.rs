@@ -19,6 +19,7 @@ pub mod diagnose;
 pub mod evaluate;
 pub mod explain;
 pub mod export;
+pub mod fmu_host;
 pub mod format;
 pub mod interrupt;
 pub mod library;
@@ -115,6 +116,12 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> Status {
 }
 
 fn run(arguments: Vec<OsString>) -> Status {
+    fmu_host::set_program();
+    if let [_, word] = arguments.as_slice()
+        && word == fmu_host::COMMAND
+    {
+        return fmu_host::run();
+    }
     let status = match args::read(arguments) {
         Ok(command) => carry_out(command),
         Err(status) => return status,

@@ -322,7 +322,7 @@ fn facts(program: &Program, statistics: &Statistics, events: usize) -> Vec<(Stri
     let equations = dae.equations.len() + dae.discrete.len() + dae.eliminated.len();
     let mut out = vec![
         ("method".to_owned(), statistics.method.to_string()),
-        ("states".to_owned(), program.blocks.states.len().to_string()),
+        ("states".to_owned(), program.state_count().to_string()),
         ("equations".to_owned(), format!("{equations} ({} trivial)", dae.eliminated.len())),
         ("end, s".to_owned(), format!("{}", statistics.end)),
     ];

@@ -43,7 +43,7 @@ pub fn summary_json(
     ]);
     Json::object([
         ("model", Json::text(dae.name.as_str())),
-        ("states", Json::count(program.blocks.states.len())),
+        ("states", Json::count(program.state_count())),
         ("equations", Json::count(equations)),
         ("end", Json::number(s.end)),
         ("interrupted", Json::flag(s.interrupted)),

@@ -16,7 +16,12 @@ use crate::simulate::settings::Settings;
 
 /// The request that compiles the model of a run.
 pub(super) fn request(model: &Model, options: &Running) -> Request {
-    Request { form: options.mode.into(), ..model.request() }
+    Request {
+        form: options.mode.into(),
+        takes_fmu: true,
+        integrating: options.fmi_type.map(Into::into),
+        ..model.request()
+    }
 }
 
 /// Restricts the recorded variables to those that the user asks for and those that measures need; an error if

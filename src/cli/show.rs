@@ -6,7 +6,7 @@ use super::args::{Model, Structure};
 use super::{Status, print, say};
 use crate::base::diag::Diagnostic;
 use crate::driver::cause::RequestCause;
-use crate::driver::compile::Session;
+use crate::driver::compile::{Request, Session};
 use crate::io::atomic_file::write_file;
 use crate::ir::diagram::Diagram;
 use crate::report::dot::dot;
@@ -20,7 +20,9 @@ const PNG_SCALE: u32 = 2;
 /// Prints the flat model.
 pub fn flatten(options: &Model) -> Status {
     let mut session = Session { is_last: true, ..Session::default() };
-    let fragments = match session.flatten(&options.request()) {
+    // Of an FMU its interface is shown, without loading its code.
+    let request = Request { takes_fmu: true, ..options.request() };
+    let fragments = match session.flatten(&request) {
         Ok(flat) => {
             let fragments = crate::flatten::print::fragments(&flat).map_err(|why| {
                 let cause = RequestCause::FlatModelTooLarge { why: why.to_string() };

@@ -7,7 +7,7 @@ use super::args::{Simulate, is_standard};
 use super::progress::Progress;
 use super::run_summary::summary_json;
 use super::stream::{OtherUnit, Stream, drawable};
-use super::{Status, interrupt, print, print_file, running, say, style};
+use super::{Status, fmu_host, interrupt, print, print_file, running, say, style};
 use crate::base::diag::did_you_mean;
 use crate::base::render::render;
 use crate::driver::compile::{Request, Session};
@@ -41,6 +41,7 @@ pub fn run(options: &Simulate) -> Status {
         return Status::Usage;
     }
     let started_at = Instant::now();
+    options.limits.max_seconds.into_iter().for_each(fmu_host::set_limit);
     let mut session = Session { is_last: true, ..Session::default() };
     let request = running::request(&options.model, &options.running);
     let max_size = options.limits.max_size;
@@ -134,6 +135,9 @@ pub fn run(options: &Simulate) -> Status {
         Status::Done if run.statistics.interrupted => Status::Interrupted,
         status => status,
     };
+    // The folder of an FMU is removed.
+    session.foreign = None;
+    program.foreign = None;
     // The process ends: freeing gigabytes of a large model would only take time.
     std::mem::forget(program);
     status
@@ -291,13 +295,13 @@ fn summary(
     let mut out = format!(
         "{}: {} states{algebraics}, {equations} equations ({} trivial), to {} s\n",
         dae.name,
-        program.blocks.states.len(),
+        program.state_count(),
         dae.eliminated.len(),
         s.end
     );
     // Without states nothing is integrated: the steps are those of the table.
     let steps = match program.order() {
-        0 => String::new(),
+        0 if program.foreign.is_none() => String::new(),
         _ => format!(" {} steps ({} rejected) by {},", i.steps, i.rejected, s.method),
     };
     out.push_str(&format!("  {} events,{steps} {} rows\n", run.trajectory.events.len(), s.rows));

@@ -116,6 +116,7 @@ pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems>
         events,
         bounds,
         continuation: None,
+        foreign: None,
     };
     program.number_tapes();
     Ok(program)

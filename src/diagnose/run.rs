@@ -149,6 +149,8 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
     let folder = request.data.as_deref();
     let (plan, data) = inputs(&request.plan, folder, &request.memory, session)?;
     let mut compiled = plan.request(request.modelica_path.clone());
+    // Effects are attached to the connectors of a model.
+    compiled.takes_fmu = false;
     compiled.folders.extend(request.effects.clone());
     let own = match &request.effects {
         Some(folder) => of_folder(session, &compiled, folder)?,

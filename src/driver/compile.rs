@@ -15,6 +15,7 @@ use crate::evaluate::Evaluator;
 use crate::evaluate::budget::Budget;
 use crate::flatten::cause::OverrideCause;
 use crate::flatten::inventory::Inventory;
+use crate::fmu::import::model::Integrating;
 use crate::ir::assembly::Assembly;
 use crate::ir::ast::{
     self, Argument, ArgumentKind, ClassBody, ClassKind, ElementKind, Modification,
@@ -23,6 +24,7 @@ use crate::ir::blocks::Blocks;
 use crate::ir::dae::VariableKind;
 use crate::ir::expr::{Const, Type, VarId};
 use crate::ir::flat::{Causality, FlatModel, Variability, Variable};
+use crate::ir::foreign::ForeignModel;
 use crate::ir::instance::{ClassId, Scope};
 use crate::ir::modification::ParameterOverride;
 use crate::ir::program::{Continuation, Program, SystemForm};
@@ -35,6 +37,7 @@ use crate::structure::error::StructureCause;
 use crate::verify;
 
 use super::cause::RequestCause;
+use super::foreign::{is_fmu, needs_equations};
 use super::packed::Packed;
 use super::quantity;
 
@@ -94,6 +97,10 @@ pub struct Request {
     pub packed: Packed,
     /// Components, and scalar variables, that the model may have; without it, the default.
     pub max_size: Option<usize>,
+    /// The file may be an FMU: foreign code, which a run will load.
+    pub takes_fmu: bool,
+    /// Who integrates an FMU; without it mocc, if the FMU offers it.
+    pub integrating: Option<Integrating>,
 }
 
 /// Why a request has no result. The diagnostics of the session hold the details.
@@ -141,6 +148,8 @@ pub struct Session {
     pub is_last: bool,
     /// How long each stage took, in order.
     pub times: Vec<(&'static str, Duration)>,
+    /// The FMU of the last request, if it named one.
+    pub foreign: Option<Arc<dyn ForeignModel>>,
 }
 
 impl Session {
@@ -172,6 +181,7 @@ impl Session {
         flat: impl Fn(&T) -> &FlatModel,
     ) -> Result<T, CompileError> {
         let begun = Instant::now();
+        let request = &*self.with_foreign(request)?;
         let mut library = Library::new(super::files::folders(request));
         let file = self.read(request, &mut library)?;
         self.checked(CompileError::Model)?;
@@ -326,6 +336,7 @@ impl Session {
     pub fn compile(&mut self, request: &Request) -> Result<Program, CompileError> {
         let mut flat = self.flatten(request)?;
         self.compare_units(&flat, request);
+        self.adopt_names(&mut flat);
         self.drive(&mut flat, &request.recorded)?;
         self.compile_flat(flat, request.form)
     }
@@ -484,13 +495,16 @@ impl Session {
     /// The program of a flat model, in this form.
     pub fn compile_flat(
         &mut self,
-        flat: FlatModel,
+        mut flat: FlatModel,
         form: SystemForm,
     ) -> Result<Program, CompileError> {
+        self.adopt_names(&mut flat);
+        self.drive_computed(&mut flat);
         let between = crate::lower::homotopy::homotopy_model(&flat);
         let blocks = self.sort(flat)?;
         let mut program = self.generate_as(blocks, form)?;
         program.continuation = between.and_then(|flat| continuation(flat, &program)).map(Box::new);
+        self.attach_foreign(&mut program);
         Ok(program)
     }
 
@@ -511,6 +525,11 @@ impl Session {
             return Err(CompileError::Request);
         }
         let Some(path) = &request.file else { return Ok(None) };
+        if request.text.is_none() && is_fmu(path) {
+            self.problems
+                .push(needs_equations(path, "this command needs the equations of a model"));
+            return Err(CompileError::Request);
+        }
         let path = if request.text.is_some() && path == Path::new("-") {
             Path::new("stdin.mo")
         } else {

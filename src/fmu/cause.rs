@@ -3,7 +3,7 @@
 use crate::base::cause::causes;
 
 causes! {
-    /// Causes found when an FMU is made.
+    /// Causes found when an FMU is made or used.
     pub enum FmuCause {
         /// The shared library that runs programs is not where it is looked for.
         error MO1300 NoRuntime { looked: String }
@@ -25,5 +25,61 @@ causes! {
         error MO1304 FileOfFmu { path: String, why: String }
             => ("cannot use `{path}`: {why}"),
             help("check the path and its permissions");
+        /// A file is not a complete archive with a description.
+        error MO1305 BadArchive { path: String, why: String }
+            => ("`{path}` is not a complete FMU: {why}"),
+            help("export or download the FMU again");
+        /// An entry of an archive leads out of the folder in which it is unpacked.
+        error MO1306 UnsafeEntry { path: String, entry: String }
+            => ("`{path}` is refused: its entry `{}` leads out of the archive", entry.escape_debug()),
+            help("do not use this FMU: no exporter writes such entries");
+        /// An archive would fill memory or disk.
+        error MO1307 TooLarge { path: String, what: String }
+            => ("`{path}` is refused: it holds {what}"),
+            help("do not use this FMU, or remove what is not needed from its archive");
+        /// The description of an FMU does not make sense.
+        error MO1308 BadDescription { path: String, why: String }
+            => ("cannot read `modelDescription.xml` of `{path}`: {why}"),
+            help("export the FMU again; FMPy's `validate` names what is wrong");
+        /// The FMU is of a version that mocc does not import.
+        error MO1309 OtherVersion { path: String, version: String }
+            => ("`{path}` is an FMU of FMI {version}; mocc imports FMI 2.0 and 3.0"),
+            help("export it as FMI 2.0 or 3.0");
+        /// The FMU has no shared library for this platform.
+        error MO1310 NoBinary { path: String, wanted: String, present: String }
+            => ("`{path}` has no `{wanted}`; it has {present}"),
+            help("export the FMU for this platform");
+        /// The FMU does not offer the kind of simulation that is asked for.
+        error MO1311 NotOffered { path: String, wanted: String, offered: String }
+            => ("`{path}` does not offer {wanted}, only {offered}"),
+            help("choose the other kind with `--fmi-type`");
+        /// The shared library of an FMU cannot be loaded.
+        error MO1312 NotLoadable { path: String, why: String }
+            => ("cannot load the shared library of `{path}`: {why}"),
+            help("install the libraries that it needs, or export the FMU again");
+        /// An FMU refuses to be instantiated.
+        error MO1313 NotInstantiated { path: String }
+            => ("`{path}` cannot be instantiated"),
+            help("read its messages; a wrong token means that `modelDescription.xml` and the shared library belong to different FMUs");
+        /// A function of an FMU returns an error.
+        error MO1314 FailedCall { path: String, call: String, status: String }
+            => ("`{path}` failed: {call} returned the status {status}"),
+            help("read the messages of the FMU; try other parameters, or a tighter `--tolerance`");
+        /// An FMU ended its process.
+        error MO1315 Crashed { path: String, how: String, doing: String }
+            => ("`{path}` crashed: {how} {doing}"),
+            help("report this to the maker of the FMU; mocc and its results are not affected");
+        /// An FMU does not return.
+        error MO1316 Hanging { path: String, seconds: f64, doing: String }
+            => ("`{path}` does not return: {doing} took longer than {seconds} s"),
+            help("report this to the maker of the FMU, or allow more time with `--max-seconds`");
+        /// A command needs the equations of a model.
+        error MO1317 NeedsEquations { path: String, what: String }
+            => ("`{path}` is an FMU, and {what}"),
+            help("`mocc simulate`, `report`, `sweep` and `calibrate` take FMUs");
+        /// The child process of an FMU cannot be started.
+        error MO1318 NoProcess { path: String, why: String }
+            => ("cannot start a process for `{path}`: {why}"),
+            help("an FMU runs in a child process of `mocc`; check that the system allows it");
     }
 }

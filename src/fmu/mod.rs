@@ -12,6 +12,7 @@ pub mod description;
 pub mod disclosure;
 pub mod exchange;
 pub mod export;
+pub mod import;
 pub mod instance;
 pub mod interface;
 pub mod package;

@@ -449,6 +449,7 @@ impl Wire for Program {
             events: Wire::read(from)?,
             bounds: Wire::read(from)?,
             continuation: Wire::read(from)?,
+            foreign: None,
         };
         program.number_tapes();
         program.verify().map_err(|_| Damaged)?;

@@ -11,6 +11,7 @@ pub mod flat;
 pub mod dae;
 pub mod blocks;
 pub mod walk;
+pub mod foreign;
 pub mod program;
 pub mod trajectory;
 pub mod diagram;

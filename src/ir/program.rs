@@ -22,6 +22,7 @@ use super::blocks::{Blocks, Source};
 use super::dae::Dae;
 use super::expr::{Binary, ExprId, Unary, VarId};
 use super::external::Externals;
+use super::foreign::Foreign;
 use crate::base::source::Span;
 
 /// Index of a value in the memory.
@@ -501,6 +502,8 @@ pub struct Program {
     pub bounds: Vec<Bounds>,
     /// The simplified system from which initialization continues, if the model uses `homotopy`.
     pub continuation: Option<Box<Continuation>>,
+    /// The foreign model that computes the variables, which are then inputs of the program.
+    pub foreign: Option<Arc<Foreign>>,
 }
 
 /// The model with `(1 - lambda) simplified + lambda actual` for each `homotopy(actual,
@@ -520,6 +523,12 @@ impl Program {
     #[inline]
     pub fn externals(&self) -> &Arc<Externals> {
         self.blocks.dae.graph.externals()
+    }
+
+    /// Number of states: those of the foreign model, if there is one.
+    pub fn state_count(&self) -> usize {
+        let own = self.blocks.states.len();
+        self.foreign.as_ref().map_or(own, |foreign| foreign.model.interface().states)
     }
 
     /// Number of components that the integrator sees: states, then algebraic unknowns.

@@ -94,14 +94,24 @@ impl Integrator {
             }
             method => (method, None),
         };
+        if method == Method::Dopri && !program.algebraics.is_empty() {
+            return Err(NoMethod::Explicit { unknowns: program.algebraics.len() });
+        }
+        Ok(Integrator::of(method, because, system, options)?)
+    }
+
+    /// The stepper of a method, and why it was chosen; [`Method::Auto`] is explicit until the system is stiff.
+    pub fn of(
+        method: Method,
+        because: Option<String>,
+        system: &dyn System,
+        options: Options,
+    ) -> Result<(Self, Choice), OptionError> {
         let integrator = match method {
             Method::Radau => Integrator::Radau(Box::new(Radau::for_system(system, options)?)),
             Method::Bdf => {
                 let options = for_bdf(&options);
                 Integrator::Bdf(Box::new(Bdf::for_system(system, options)?))
-            }
-            Method::Dopri if !program.algebraics.is_empty() => {
-                return Err(NoMethod::Explicit { unknowns: program.algebraics.len() });
             }
             Method::Dopri => {
                 let options = tightened(&options, DOPRI_FACTOR);

@@ -13,6 +13,7 @@ pub mod cause;
 pub mod columns;
 pub mod extrema;
 pub mod failure;
+mod foreign;
 pub mod homotopy;
 pub mod initialization;
 pub mod integers;

@@ -156,6 +156,9 @@ fn run_to(
     }
     let started = Instant::now();
     activity::note(format!("simulating at time {} s", settings.start));
+    if let Some(foreign) = &program.foreign {
+        return super::foreign::run_to(foreign, program, settings, inputs, sink);
+    }
     let mut simulation = Simulation::begin(program, settings, inputs, sources, sink)?;
     let outcome = simulation.run();
     simulation.recorder.flush(simulation.sink);
@@ -179,6 +182,9 @@ pub(super) fn arrive<'p>(
 ) -> Result<(HybridSystem<'p>, f64, Vec<f64>), Failure> {
     if let Some(what) = settings.fault() {
         return Err(Failure::settings(what));
+    }
+    if program.foreign.is_some() {
+        return Err(Failure::settings("an FMU cannot be linearized".to_owned()));
     }
     let mut simulation = Simulation::begin(program, settings, &[], sources, sink)?;
     simulation.run()?;

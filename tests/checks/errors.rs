@@ -37,6 +37,18 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("MO1300", "the runtime may have been built next to the program"),
     ("MO1302", "all external functions of mocc can be written"),
     ("MO1304", "the operating system denies it"),
+    ("MO1306", "needs an archive, whose bytes are not text"),
+    ("MO1307", "needs a large archive"),
+    ("MO1308", "needs an FMU, whose bytes are not text"),
+    ("MO1309", "needs an FMU, whose bytes are not text"),
+    ("MO1310", "needs an FMU, whose bytes are not text"),
+    ("MO1311", "needs an FMU, whose bytes are not text"),
+    ("MO1312", "needs an FMU, whose bytes are not text"),
+    ("MO1313", "needs an FMU, whose bytes are not text"),
+    ("MO1314", "needs an FMU, whose bytes are not text"),
+    ("MO1315", "needs an FMU, whose bytes are not text"),
+    ("MO1316", "needs an FMU, whose bytes are not text"),
+    ("MO1318", "needs an FMU, whose bytes are not text"),
     ("MO1273", "the parser rejects every expression that is not a call"),
 ];
 

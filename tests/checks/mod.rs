@@ -20,6 +20,7 @@ mod examples;
 mod figures;
 mod format;
 mod fmu;
+mod fmu_import;
 mod friction;
 mod fuzz;
 mod implicit;

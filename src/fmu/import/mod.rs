@@ -1,0 +1,18 @@
+//! FMUs of others as models.
+//!
+//! In: the archive of an FMU. Out: a [`ForeignModel`](crate::ir::foreign::ForeignModel), and the text of a Modelica
+//! model with the same parameters and variables, which the compiler reads in place of the FMU.
+//!
+//! An FMU is foreign code. It is loaded only if the user names it, and runs in a child process of mocc ([`host`]),
+//! to which [`remote`] talks by messages ([`message`]). What it does to its process, a crash, an end or a hang,
+//! reaches the run as a message that names it.
+
+pub mod description;
+#[cfg(unix)]
+pub mod host;
+pub mod library;
+pub mod message;
+pub mod model;
+#[cfg_attr(not(unix), path = "no_remote.rs")]
+pub mod remote;
+pub mod text;

@@ -1,0 +1,174 @@
+//! An FMU as a [`ForeignModel`]: its archive is unpacked once, and each instance gets a child process.
+
+use std::path::{Path, PathBuf};
+
+use super::description::{Described, Kind, Unusable, read};
+use super::message::Load;
+use super::remote;
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
+use crate::fmu::archive::Archive;
+use crate::fmu::cause::FmuCause;
+use crate::fmu::description::Version;
+use crate::io::atomic_file::scratch_path;
+use crate::ir::foreign::{ForeignFault, ForeignInstance, ForeignInterface, ForeignModel};
+
+/// Who integrates.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Integrating {
+    /// mocc: Model Exchange.
+    Here,
+    /// The FMU: Co-Simulation.
+    There,
+}
+
+/// An unpacked FMU. Dropped, it removes its folder.
+#[derive(Debug)]
+pub struct Fmu {
+    file: String,
+    folder: PathBuf,
+    interface: ForeignInterface,
+    load: Load,
+}
+
+/// The shared libraries of this platform, by version: the folder in `binaries/`, and the extension.
+fn platform(version: Version) -> (&'static str, &'static str) {
+    let third = version == Version::Three;
+    match (std::env::consts::OS, std::env::consts::ARCH, third) {
+        ("linux", "x86_64", false) => ("linux64", "so"),
+        ("linux", "x86_64", true) => ("x86_64-linux", "so"),
+        ("linux", "x86", false) => ("linux32", "so"),
+        ("linux", "x86", true) => ("x86-linux", "so"),
+        ("linux", "aarch64", _) => ("aarch64-linux", "so"),
+        ("macos", "x86_64", true) => ("x86_64-darwin", "dylib"),
+        ("macos", "aarch64", true) => ("aarch64-darwin", "dylib"),
+        ("macos", _, false) => ("darwin64", "dylib"),
+        ("windows", _, false) => ("win64", "dll"),
+        ("windows", _, true) => ("x86_64-windows", "dll"),
+        _ => ("unknown", "so"),
+    }
+}
+
+/// The folders in `binaries/` of an archive.
+fn platforms(names: &[String]) -> String {
+    let folders = names.iter().filter_map(|n| n.strip_prefix("binaries/")?.split_once('/'));
+    let mut all: Vec<String> = folders.map(|(folder, _)| format!("`{folder}`")).collect();
+    all.sort();
+    all.dedup();
+    match all.as_slice() {
+        [] => "no binaries".to_owned(),
+        [one] => format!("only {one}"),
+        all => format!("only {}", all.join(", ")),
+    }
+}
+
+/// Reads an archive and unpacks it into a folder of its own.
+pub fn open(file: &Path, wanted: Option<Integrating>) -> Result<Fmu, Box<Diagnostic>> {
+    let folder = scratch_path("fmu");
+    let refuse = |cause: FmuCause| Box::new(Diagnostic::new(cause, Span::NONE));
+    let path = file.display().to_string();
+    let mut archive = Archive::open(file).map_err(refuse)?;
+    let text = archive.description().map_err(refuse)?;
+    let described = read(&text).map_err(|why| {
+        refuse(match why {
+            Unusable::Wrong(why) => FmuCause::BadDescription { path: path.clone(), why },
+            Unusable::Version(version) => FmuCause::OtherVersion { path: path.clone(), version },
+        })
+    })?;
+    let (kind, stepping) = kind(&described, wanted, &path).map_err(refuse)?;
+    let (platform, extension) = platform(described.version);
+    let library = format!("binaries/{platform}/{}.{extension}", kind.identifier);
+    if !archive.names.contains(&library) {
+        let present = platforms(&archive.names);
+        return Err(refuse(FmuCause::NoBinary { path, wanted: library, present }));
+    }
+    let interface = interface(&described, &kind, stepping);
+    let binaries = format!("binaries/{platform}/");
+    let load = load(&described, &kind, stepping, &folder, &library);
+    // From here on the folder is removed, whatever happens.
+    let fmu = Fmu { file: path, folder, interface, load };
+    let resources = fmu.folder.join("resources");
+    if let Err(e) = std::fs::create_dir_all(&resources) {
+        let (path, why) = (resources.display().to_string(), e.to_string());
+        return Err(refuse(FmuCause::FileOfFmu { path, why }));
+    }
+    let is_needed = |name: &str| name.starts_with(&binaries) || name.starts_with("resources/");
+    archive.unpack(&fmu.folder, is_needed).map_err(refuse)?;
+    Ok(fmu)
+}
+
+/// The kind of simulation to use, and whether it is Co-Simulation.
+fn kind(
+    described: &Described,
+    wanted: Option<Integrating>,
+    path: &str,
+) -> Result<(Kind, bool), FmuCause> {
+    let missing = |wanted: &str, offered: &str| FmuCause::NotOffered {
+        path: path.to_owned(),
+        wanted: wanted.to_owned(),
+        offered: offered.to_owned(),
+    };
+    match (wanted, &described.exchange, &described.stepping) {
+        (Some(Integrating::Here) | None, Some(kind), _) => Ok((kind.clone(), false)),
+        (Some(Integrating::There) | None, _, Some(kind)) => Ok((kind.clone(), true)),
+        (Some(Integrating::Here), ..) => Err(missing("Model Exchange", "Co-Simulation")),
+        _ => Err(missing("Co-Simulation", "Model Exchange")),
+    }
+}
+
+fn interface(described: &Described, kind: &Kind, stepping: bool) -> ForeignInterface {
+    let mut experiment = described.experiment;
+    if let (true, Some(step), false) = (stepping, kind.own_step, kind.steps_vary) {
+        experiment[2] = Some(step);
+    }
+    ForeignInterface {
+        name: described.name.clone(),
+        description: described.text.clone(),
+        steps_itself: stepping,
+        states: if stepping { 0 } else { described.state_count },
+        indicators: if stepping { 0 } else { described.indicators },
+        variables: described.variables.clone(),
+        values: described.values,
+        needs_completed_steps: kind.needs_completed_steps,
+        steps_vary: kind.steps_vary,
+        experiment,
+    }
+}
+
+fn load(described: &Described, kind: &Kind, stepping: bool, folder: &Path, library: &str) -> Load {
+    let text = |path: PathBuf| path.to_string_lossy().into_owned();
+    Load {
+        library: text(folder.join(library)),
+        third: described.version == Version::Three,
+        stepping,
+        token: described.token.clone(),
+        resources: text(folder.join("resources")),
+        folder: text(folder.to_path_buf()),
+        groups: described.groups.clone(),
+        watched: Vec::new(),
+        states: if kind.differentiates { described.states.clone() } else { Vec::new() },
+        state_count: if stepping { 0 } else { described.state_count },
+        indicators: if stepping { 0 } else { described.indicators },
+    }
+}
+
+impl ForeignModel for Fmu {
+    fn file(&self) -> &str {
+        &self.file
+    }
+
+    fn interface(&self) -> &ForeignInterface {
+        &self.interface
+    }
+
+    fn instantiate(&self, watched: &[usize]) -> Result<Box<dyn ForeignInstance>, ForeignFault> {
+        let load = Load { watched: watched.to_vec(), ..self.load.clone() };
+        remote::start(&self.file, load)
+    }
+}
+
+impl Drop for Fmu {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}

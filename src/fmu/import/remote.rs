@@ -1,0 +1,330 @@
+//! An instance in a child process, as a run sees it.
+//!
+//! The child is mocc itself with the hidden command `fmu-host`. Its standard input is a socket, for orders and
+//! answers; what the FMU prints goes to the standard error of mocc. An answer that does not come in time, or the end of
+//! the child, is a failure of the run, with the name of the FMU and what it was doing.
+
+use std::ffi::OsString;
+use std::io::ErrorKind;
+use std::os::fd::OwnedFd;
+use std::os::unix::net::UnixStream;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::message::{Answer, Load, Order, Point, receive, send};
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
+use crate::fmu::cause::FmuCause;
+use crate::ir::foreign::{
+    AfterEvent, AfterStep, At, ForeignFault, ForeignFaultKind, ForeignInstance,
+};
+
+/// The hidden command of the child.
+pub const COMMAND: &str = "fmu-host";
+/// Longest time of one call, s.
+const LONGEST_CALL: Duration = Duration::from_secs(300);
+/// Time for a child to end by itself.
+const LAST_CALL: Duration = Duration::from_secs(2);
+
+/// The program and arguments that start a child.
+static PROGRAM: OnceLock<Vec<OsString>> = OnceLock::new();
+/// When the command must have ended, and how many seconds it was given.
+static LIMIT: Mutex<Option<(Instant, f64)>> = Mutex::new(None);
+
+/// Names the program that children run, with its first arguments: any that calls `cli::main`.
+pub fn set_program(words: Vec<OsString>) {
+    // The first one counts: a process has one program.
+    let _ = PROGRAM.set(words);
+}
+
+/// Limits the time of all calls together, s from now on; the last part of it is for other things.
+pub fn set_limit(seconds: f64, reserve: Duration) {
+    let most = Duration::from_secs_f64(seconds.clamp(0.0, 1e9));
+    let end = Instant::now().checked_add(most.saturating_sub(reserve));
+    *LIMIT.lock().unwrap_or_else(PoisonError::into_inner) = end.map(|end| (end, seconds));
+}
+
+/// The time that the next call may take, and the limit to name, s.
+fn patience() -> (Duration, f64) {
+    let limit = *LIMIT.lock().unwrap_or_else(PoisonError::into_inner);
+    match limit {
+        Some((end, seconds)) if end < Instant::now() + LONGEST_CALL => {
+            let rest = end.saturating_duration_since(Instant::now());
+            (rest.max(Duration::from_millis(1)), seconds)
+        }
+        _ => (LONGEST_CALL, LONGEST_CALL.as_secs_f64()),
+    }
+}
+
+/// The parent's end of a child process.
+pub struct Remote {
+    file: String,
+    child: Child,
+    stream: UnixStream,
+    buffer: Vec<u8>,
+    /// The limit that the socket has now.
+    timeout: Duration,
+    states: usize,
+    ended: bool,
+}
+
+fn fault(cause: FmuCause, messages: &[String], kind: ForeignFaultKind) -> ForeignFault {
+    let mut diagnostic = Diagnostic::new(cause, Span::NONE);
+    for message in messages {
+        diagnostic = diagnostic.note(format!("the FMU says: {}", message.trim().escape_debug()));
+    }
+    ForeignFault { kind, diagnostic: Box::new(diagnostic) }
+}
+
+/// Starts a child and loads the FMU in it.
+pub fn start(file: &str, load: Load) -> Result<Box<dyn ForeignInstance>, ForeignFault> {
+    Ok(Box::new(Remote::start(file, load)?))
+}
+
+impl Remote {
+    fn start(file: &str, load: Load) -> Result<Remote, ForeignFault> {
+        let no_process = |why: String| {
+            fault(FmuCause::NoProcess { path: file.to_owned(), why }, &[], ForeignFaultKind::Final)
+        };
+        let words = PROGRAM.get().filter(|words| !words.is_empty());
+        let words = words.ok_or_else(|| no_process("its program is not known".to_owned()))?;
+        let failed = |e: std::io::Error| no_process(e.to_string());
+        let (own, other) = UnixStream::pair().map_err(failed)?;
+        let printed = std::io::stderr();
+        let printed = std::os::fd::AsFd::as_fd(&printed).try_clone_to_owned().map_err(failed)?;
+        let child = Command::new(&words[0])
+            .args(&words[1..])
+            .arg(COMMAND)
+            .stdin(Stdio::from(OwnedFd::from(other)))
+            .stdout(Stdio::from(printed))
+            // Ctrl-C is for mocc, which ends the run in good order.
+            .process_group(0)
+            .spawn()
+            .map_err(failed)?;
+        let states = load.state_count;
+        let mut remote = Remote {
+            file: file.to_owned(),
+            child,
+            stream: own,
+            buffer: Vec::new(),
+            timeout: Duration::ZERO,
+            states,
+            ended: false,
+        };
+        remote.ask(&Order::Load(Box::new(load)), "while it was instantiated")?;
+        Ok(remote)
+    }
+
+    /// One order and its answer. A refusal of the FMU is a fault.
+    fn ask(&mut self, order: &Order, doing: &str) -> Result<Answer, ForeignFault> {
+        if self.ended {
+            return Err(self.has_ended(doing));
+        }
+        let (patience, seconds) = patience();
+        if patience != self.timeout {
+            // The limit only grows shorter near its end; set it when it has changed noticeably.
+            self.timeout = patience;
+            let _ = self.stream.set_read_timeout(Some(patience));
+        }
+        let file = self.file.clone();
+        let path = || file.clone();
+        if send(&mut self.stream, order, &mut self.buffer).is_err() {
+            return Err(self.has_ended(doing));
+        }
+        match receive::<Answer>(&mut self.stream, &mut self.buffer) {
+            Ok(Answer::NotLoaded(why)) => Err(fault(
+                FmuCause::NotLoadable { path: path(), why },
+                &[],
+                ForeignFaultKind::Input,
+            )),
+            Ok(Answer::NotInstantiated(messages)) => {
+                let cause = FmuCause::NotInstantiated { path: path() };
+                Err(fault(cause, &messages, ForeignFaultKind::Input))
+            }
+            Ok(Answer::Failed(call, status, messages, is_avoidable)) => {
+                let call = format!("`{call}` {doing}");
+                let cause = FmuCause::FailedCall { path: path(), call, status };
+                let kind = match is_avoidable {
+                    true => ForeignFaultKind::Avoidable,
+                    false => ForeignFaultKind::Final,
+                };
+                Err(fault(cause, &messages, kind))
+            }
+            Ok(answer) => Ok(answer),
+            Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
+                self.stop();
+                let what = format!("a call {doing}");
+                let cause = FmuCause::Hanging { path: path(), seconds, doing: what };
+                Err(fault(cause, &[], ForeignFaultKind::Final))
+            }
+            Err(_) => Err(self.has_ended(doing)),
+        }
+    }
+
+    /// Ends the child at once.
+    fn stop(&mut self) {
+        self.ended = true;
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+
+    /// The child has ended by itself: why.
+    fn has_ended(&mut self, doing: &str) -> ForeignFault {
+        let how = match (self.ended, self.child.wait()) {
+            (true, _) | (_, Err(_)) => "its process ended".to_owned(),
+            (_, Ok(status)) => match status.signal() {
+                Some(signal) => format!("its process was ended by signal {}", signal_name(signal)),
+                None => format!("it ended its process with status {}", status.code().unwrap_or(0)),
+            },
+        };
+        self.ended = true;
+        let doing = doing.to_owned();
+        fault(
+            FmuCause::Crashed { path: self.file.clone(), how, doing },
+            &[],
+            ForeignFaultKind::Final,
+        )
+    }
+
+    fn damaged(&self) -> ForeignFault {
+        let why = "its messages cannot be read".to_owned();
+        fault(FmuCause::NoProcess { path: self.file.clone(), why }, &[], ForeignFaultKind::Final)
+    }
+
+    fn numbers(
+        &mut self,
+        order: &Order,
+        doing: &str,
+        count: usize,
+    ) -> Result<Vec<f64>, ForeignFault> {
+        match self.ask(order, doing)? {
+            Answer::Numbers(numbers) if numbers.len() == count => Ok(numbers),
+            _ => Err(self.damaged()),
+        }
+    }
+
+    fn after_event(&mut self, order: &Order, doing: &str) -> Result<AfterEvent, ForeignFault> {
+        match self.ask(order, doing)? {
+            Answer::Event(states, nominals, indicators, next, ends) => {
+                Ok(AfterEvent { states, nominals, indicators, next, ends })
+            }
+            _ => Err(self.damaged()),
+        }
+    }
+
+    fn after_step(&mut self, order: &Order, doing: &str) -> Result<AfterStep, ForeignFault> {
+        match self.ask(order, doing)? {
+            Answer::Step(reached, asks_for_event, ends) => {
+                Ok(AfterStep { reached, asks_for_event, ends })
+            }
+            _ => Err(self.damaged()),
+        }
+    }
+}
+
+fn point(at: &At<'_>) -> Point {
+    Point { t: at.t, states: at.states.to_vec(), inputs: at.inputs.to_vec() }
+}
+
+fn at_time(t: f64) -> String {
+    format!("at time {t} s")
+}
+
+/// The names of the signals that end faulty programs.
+fn signal_name(signal: i32) -> String {
+    let name = match signal {
+        4 => "SIGILL",
+        6 => "SIGABRT",
+        7 => "SIGBUS",
+        8 => "SIGFPE",
+        9 => "SIGKILL",
+        11 => "SIGSEGV",
+        15 => "SIGTERM",
+        _ => return signal.to_string(),
+    };
+    format!("{signal} ({name})")
+}
+
+impl ForeignInstance for Remote {
+    fn initialise(
+        &mut self,
+        span: [f64; 2],
+        tolerance: f64,
+        values: &[(usize, f64)],
+    ) -> Result<AfterEvent, ForeignFault> {
+        let order = Order::Initialise([span[0], span[1], tolerance], values.to_vec());
+        self.after_event(&order, "during initialization")
+    }
+
+    fn evaluate(
+        &mut self,
+        at: &At<'_>,
+        derivatives: &mut [f64],
+        indicators: &mut [f64],
+    ) -> Result<(), ForeignFault> {
+        let n = self.states;
+        let order = Order::Evaluate(point(at));
+        let numbers = self.numbers(&order, &at_time(at.t), n + indicators.len())?;
+        derivatives[..n].copy_from_slice(&numbers[..n]);
+        indicators.copy_from_slice(&numbers[n..]);
+        Ok(())
+    }
+
+    fn jacobian(&mut self, at: &At<'_>, entries: &mut [f64]) -> Result<(), ForeignFault> {
+        let order = Order::Jacobian(point(at));
+        let numbers = self.numbers(&order, &at_time(at.t), entries.len())?;
+        entries.copy_from_slice(&numbers);
+        Ok(())
+    }
+
+    fn values(&mut self, at: Option<&At<'_>>, values: &mut [f64]) -> Result<(), ForeignFault> {
+        let doing = at.map_or_else(|| "between steps".to_owned(), |at| at_time(at.t));
+        let numbers = self.numbers(&Order::Values(at.map(point)), &doing, values.len())?;
+        values.copy_from_slice(&numbers);
+        Ok(())
+    }
+
+    fn complete(&mut self, at: &At<'_>) -> Result<AfterStep, ForeignFault> {
+        self.after_step(&Order::Complete(point(at)), &at_time(at.t))
+    }
+
+    fn event(&mut self, at: &At<'_>) -> Result<AfterEvent, ForeignFault> {
+        self.after_event(&Order::Event(point(at)), &format!("in the event {}", at_time(at.t)))
+    }
+
+    fn step(
+        &mut self,
+        t: f64,
+        size: f64,
+        inputs: &[(usize, f64)],
+    ) -> Result<AfterStep, ForeignFault> {
+        self.after_step(&Order::Step(t, size, inputs.to_vec()), &at_time(t))
+    }
+
+    fn end(&mut self) {
+        if !self.ended {
+            // A failure to end in good order costs the run nothing.
+            let _ = self.ask(&Order::End, "at the end of the run");
+        }
+    }
+}
+
+impl Drop for Remote {
+    fn drop(&mut self) {
+        if self.ended {
+            return;
+        }
+        // The end of the stream ends the child; one that does not return is killed.
+        let _ = self.stream.shutdown(std::net::Shutdown::Both);
+        let until = Instant::now() + LAST_CALL;
+        while Instant::now() < until {
+            if matches!(self.child.try_wait(), Ok(Some(_)) | Err(_)) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        self.stop();
+    }
+}
