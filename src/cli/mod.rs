@@ -127,7 +127,7 @@ fn carry_out(command: args::Command) -> Status {
     match &command {
         args::Command::Simulate(options) => budget::watch(&options.limits),
         args::Command::Check(options) => budget::watch(&options.limits),
-        _ => budget::watch(&args::Limits::default()),
+        _ => budget::watch(&args::model::Limits::default()),
     }
     match command {
         args::Command::Simulate(options) => simulate::run(&options),

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use super::args::{Plot, is_standard};
+use super::args::model::is_standard;
+use super::args::results::Plot;
 use super::{Status, print, standard_input};
 use crate::driver::files;
 use crate::io::format::Format;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::args::Report;
+use super::args::runs::Report;
 use super::progress::Progress;
 use super::{Status, interrupt, print, running, say};
 use crate::base::index::{FastMap, FastSet};

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::args::{Model, Running, is_standard};
+use super::args::model::{Model, is_standard};
+use super::args::running::Running;
 use super::{Status, explain, style};
 use crate::base::render::render;
 use crate::base::source::SourceMap;

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::args::{Simulate, is_standard};
+use super::args::model::is_standard;
+use super::args::runs::Simulate;
 use super::progress::Progress;
 use super::run_summary::summary_json;
 use super::stream::{OtherUnit, Stream, drawable};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::args::Sweep as Options;
+use super::args::runs::Sweep as Options;
 use super::progress::Progress;
 use super::running::{self, names_in};
 use super::{Status, interrupt, print, say};
