@@ -81,6 +81,8 @@ pub mod fmu;
 pub mod sweep;
 // Parameters from recordings.
 pub mod calibrate;
+// The design that makes a measure least or greatest.
+pub mod optimize;
 // The effect that a model lacks, from recordings.
 pub mod diagnose;
 // Tests of a user's own models.

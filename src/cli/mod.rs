@@ -26,6 +26,7 @@ pub mod linear_text;
 pub mod linearize;
 pub mod lsp;
 pub mod new;
+pub mod optimize;
 pub mod plan;
 pub mod plot;
 pub mod progress;
@@ -34,10 +35,12 @@ pub mod run_summary;
 pub mod running;
 pub mod show;
 pub mod simulate;
+pub mod start_text;
 pub mod stream;
 pub mod sweep;
 pub mod terminal;
 pub mod test;
+pub mod watch;
 pub mod writer;
 
 use std::ffi::OsString;
@@ -132,9 +135,11 @@ fn carry_out(command: args::Command) -> Status {
     match command {
         args::Command::Simulate(options) => simulate::run(&options),
         args::Command::Report(options) => report::run(&options),
+        args::Command::Watch(options) => watch::run(&options),
         args::Command::Calibrate(options) => calibrate::run(&options),
         args::Command::Diagnose(options) => diagnose::run(&options),
         args::Command::Evaluate(options) => evaluate::run(&options),
+        args::Command::Optimize(options) => optimize::run(&options),
         args::Command::Steady(options) => linearize::steady(&options),
         args::Command::Linearize(options) => linearize::run(&options),
         args::Command::Test(options) => test::run(&options),
@@ -183,9 +188,26 @@ fn standard_input() -> String {
     }
 }
 
+thread_local! {
+    /// What this thread writes to the standard error, while somebody wants it.
+    static CAPTURED: std::cell::RefCell<Option<String>> = const { std::cell::RefCell::new(None) };
+}
+
+/// Does some work, and returns what it wrote to the standard error, too.
+fn capture_errors<T>(work: impl FnOnce() -> T) -> (T, String) {
+    CAPTURED.set(Some(String::new()));
+    let out = work();
+    (out, CAPTURED.take().unwrap_or_default())
+}
+
 /// Writes to the standard error; a closed pipe or a full disk behind it does not end the command.
 fn to_standard_error(text: std::fmt::Arguments<'_>) {
     use std::io::Write;
+    CAPTURED.with_borrow_mut(|captured| {
+        if let Some(captured) = captured {
+            captured.push_str(&text.to_string());
+        }
+    });
     let _ = std::io::stderr().lock().write_fmt(text);
 }
 

@@ -11,3 +11,4 @@ pub mod packed;
 pub mod project;
 pub mod quantity;
 pub mod replacements;
+pub mod stamps;

@@ -29,6 +29,7 @@ mod machine_code;
 mod mutation;
 mod measured;
 mod native;
+mod optimize;
 mod permutation;
 mod reference;
 mod regression;

@@ -23,8 +23,8 @@ use linear::{Linearize, Steady};
 use model::Model;
 use project::{Completions, Library, Man, New, Test};
 use results::{Compare, Plot};
-use runs::{Report, Simulate, Sweep};
-use study::{Calibrate, Diagnose, Evaluate, PlanSkeleton};
+use runs::{Report, Simulate, Sweep, Watch};
+use study::{Calibrate, Diagnose, Evaluate, Optimize, PlanSkeleton};
 
 /// Compile and simulate models of machines, fit them to recordings, and find the effects they lack.
 #[derive(Parser, Debug)]
@@ -41,6 +41,8 @@ pub enum Command {
     Simulate(Simulate),
     /// Write a page with the diagram, parameters and traces of a model.
     Report(Report),
+    /// Make a report again whenever a file is saved, in a page that updates itself.
+    Watch(Watch),
     /// Simulate a model many times with different parameters.
     Sweep(Sweep),
     /// Run the tests of models: snapshots, traces, events, measures, diagnostics.
@@ -74,6 +76,8 @@ pub enum Command {
     Calibrate(Calibrate),
     /// Find the physical effects that a model lacks, from recordings.
     Diagnose(Diagnose),
+    /// Find the parameters that make a measure least or greatest, within limits.
+    Optimize(Optimize),
     /// Judge a model on recordings, without fitting it.
     Evaluate(Evaluate),
     /// Find where a model comes to rest.

@@ -8,7 +8,7 @@ use crate::cli::{modelica_path, project, standard_input};
 use crate::driver::compile::Request;
 
 /// The model and its parameter overrides.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct Model {
     /// File that contains the model.
     #[arg(value_name = "FILE", required_unless_present = "model")]

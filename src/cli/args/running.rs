@@ -8,7 +8,7 @@ use crate::ir::program::SystemForm;
 use crate::simulate::settings::Method;
 
 /// Simulation options.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct Running {
     /// End of the simulation, s [default: experiment annotation, else 1].
     #[arg(long, value_name = "T", allow_negative_numbers = true)]

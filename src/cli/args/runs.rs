@@ -1,4 +1,4 @@
-//! Arguments of the commands that run a model: `simulate`, `report`, `sweep`.
+//! Arguments of the commands that run a model: `simulate`, `report`, `watch`, `sweep`.
 
 use std::path::PathBuf;
 
@@ -51,6 +51,9 @@ pub struct Simulate {
     /// Print how long each stage of the compiler took, too.
     #[arg(long, short, conflicts_with = "quiet")]
     pub verbose: bool,
+    /// Print how the initial values come about: fixed, assumed, from equations, redundant, guesses.
+    #[arg(long)]
+    pub explain_start: bool,
     /// Events that a `sample` may have in the run.
     #[arg(long, value_name = "N", default_value_t = 3e6)]
     pub max_events: f64,
@@ -60,7 +63,7 @@ pub struct Simulate {
 }
 
 /// A page about a model and its runs.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct Report {
     /// The model.
     #[command(flatten)]
@@ -87,6 +90,20 @@ pub struct Report {
     /// Variables to show first, separated by commas.
     #[arg(long, value_name = "NAME,...")]
     pub show: Option<String>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// A report that is made again whenever a file is saved.
+#[derive(Args, Clone, Debug)]
+pub struct Watch {
+    /// The report.
+    #[command(flatten)]
+    pub report: Report,
+    /// Port on 127.0.0.1 [default: one that is free].
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
 }
 
 /// Many runs.

@@ -1,4 +1,4 @@
-//! Arguments of the commands with a plan: `plan`, `calibrate`, `diagnose`, `evaluate`.
+//! Arguments of the commands with a plan: `plan`, `calibrate`, `diagnose`, `evaluate`, `optimize`.
 
 use std::path::PathBuf;
 
@@ -111,4 +111,24 @@ pub struct Evaluate {
     /// Write the result as JSON.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+}
+
+/// A design.
+#[derive(Args, Debug)]
+pub struct Optimize {
+    /// Plan file, TOML: the model, the goal, the limits, the free parameters.
+    #[arg(value_name = "PLAN")]
+    pub plan: PathBuf,
+    /// Folder for the results [default: PLAN-design].
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Number of threads [default: all cores].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub jobs: Option<u64>,
+    /// Print the result as JSON on standard output.
+    #[arg(long, conflicts_with = "quiet")]
+    pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
