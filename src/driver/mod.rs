@@ -5,6 +5,7 @@ pub mod check;
 pub mod compile;
 mod dotted_name;
 pub mod files;
+pub mod hints;
 pub mod lookup;
 pub mod memory;
 pub mod packed;
