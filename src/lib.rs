@@ -87,6 +87,8 @@ pub mod optimize;
 pub mod diagnose;
 // Tests of a user's own models.
 pub mod regression;
+// Pages of libraries.
+pub mod doc;
 // Models in an editor: the language server protocol.
 pub mod lsp;
 // All causes of diagnostics.

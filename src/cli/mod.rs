@@ -16,6 +16,7 @@ pub mod check;
 pub mod compare;
 pub mod completions;
 pub mod diagnose;
+pub mod doc;
 pub mod evaluate;
 pub mod explain;
 pub mod export;
@@ -147,6 +148,7 @@ fn carry_out(command: args::Command) -> Status {
         args::Command::New(options) => new::run(&options),
         args::Command::Plan(options) => plan::run(&options),
         args::Command::Lib(options) => library::run(&options),
+        args::Command::Doc(options) => doc::run(&options),
         args::Command::Lsp => lsp::run(),
         args::Command::Completions(options) => completions::run(&options),
         args::Command::Man(options) => completions::man(&options),

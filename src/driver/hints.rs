@@ -11,8 +11,8 @@ use crate::base::diag::Problems;
 use crate::base::index::FastMap;
 use crate::base::source::SourceMap;
 use crate::ir::ast::{ArgumentKind, Class, ClassBody, ElementKind, Expr, ExprKind, Modification};
-use crate::ir::expr::Const;
-use crate::ir::flat::FlatModel;
+use crate::ir::expr::{Const, ExprId, Node};
+use crate::ir::flat::{FlatModel, Variability};
 use crate::parse::grammar::parse;
 
 /// A text after a place.
@@ -102,14 +102,7 @@ struct Known<'f> {
 
 impl<'f> Known<'f> {
     fn of(flat: &'f FlatModel) -> Known<'f> {
-        let value = |e| {
-            flat.graph.as_const(e).and_then(|value| match value {
-                Const::Real(bits) => Some(f64::from_bits(bits).to_string()),
-                Const::Integer(n) => Some(n.to_string()),
-                Const::Boolean(flag) => Some(flag.to_string()),
-                _ => None,
-            })
-        };
+        let value = |e| value_of(flat, e);
         let of = |v: &'f crate::ir::flat::Variable| {
             let unit = if v.unit.as_str() == "1" { "" } else { v.unit.as_str() };
             (v.name.as_str(), (unit, v.binding.and_then(value)))
@@ -152,6 +145,23 @@ impl<'f> Known<'f> {
             self.modified(&name, inner, out);
         }
     }
+}
+
+/// The value of an expression: of a literal, or of the parameter that it names.
+fn value_of(flat: &FlatModel, mut e: ExprId) -> Option<String> {
+    // Bindings cannot be longer than there are variables.
+    for _ in 0..=flat.variables.len() {
+        match (flat.graph.as_const(e), flat.graph.node(e)) {
+            (Some(Const::Real(bits)), _) => return Some(f64::from_bits(bits).to_string()),
+            (Some(Const::Integer(n)), _) => return Some(n.to_string()),
+            (Some(Const::Boolean(flag)), _) => return Some(flag.to_string()),
+            (None, Node::Var(v)) if flat.variables[v].variability <= Variability::Parameter => {
+                e = flat.variables[v].binding?;
+            }
+            _ => return None,
+        }
+    }
+    None
 }
 
 /// ` = 0.03 kg` after a formula, ` kg` after a literal or a name without a value.

@@ -21,7 +21,7 @@ use export::Export;
 use inspect::{Check, Explain, Format, Structure};
 use linear::{Linearize, Steady};
 use model::Model;
-use project::{Completions, Library, Man, New, Test};
+use project::{Completions, Doc, Library, Man, New, Test};
 use results::{Compare, Plot};
 use runs::{Report, Simulate, Sweep, Watch};
 use study::{Calibrate, Diagnose, Evaluate, Optimize, PlanSkeleton};
@@ -55,6 +55,8 @@ pub enum Command {
     Plan(PlanSkeleton),
     /// List, read or copy the classes of libraries.
     Lib(Library),
+    /// Write pages of a library: diagrams, parameters, equations, where each class is used.
+    Doc(Doc),
     /// Serve editors: the language server protocol on standard input and output.
     Lsp,
     /// Print the completions of a shell.

@@ -1,4 +1,4 @@
-//! Arguments of the commands of a project: `new`, `test`, `lib`, `completions`, `man`.
+//! Arguments of the commands of a project: `new`, `test`, `lib`, `doc`, `completions`, `man`.
 
 use std::path::PathBuf;
 
@@ -113,4 +113,21 @@ pub struct Man {
     /// Folder for the pages: mocc.1 and one for each command.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
+}
+
+/// Pages of a library.
+#[derive(Args, Debug)]
+pub struct Doc {
+    /// Package, folder of packages, or file [default: the shipped library].
+    #[arg(value_name = "PATH")]
+    pub path: Option<PathBuf>,
+    /// Folder for the pages; index.html is the first.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Folder with libraries, in addition to MODELICAPATH and the shipped library; repeatable.
+    #[arg(long = "lib", value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }

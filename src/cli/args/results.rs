@@ -54,6 +54,9 @@ pub struct Plot {
     /// Vertical axis of a panel: a column, or its label and formula; repeat for more panels [default: the first columns].
     #[arg(long, value_name = "LABEL: FORMULA[|...]", allow_hyphen_values = true)]
     pub y: Vec<String>,
+    /// Draw a curve for each value of this column.
+    #[arg(long, value_name = "COLUMN")]
+    pub by: Option<String>,
     /// Draw only this part of the horizontal axis.
     #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true, value_parser = ends)]
     pub range: Option<(f64, f64)>,
