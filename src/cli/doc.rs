@@ -1,6 +1,6 @@
 //! `mocc doc`: writes pages of a library that open from disk.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::args::project::Doc;
 use super::{Status, modelica_path, print};
@@ -76,16 +76,19 @@ fn shipped(request: &Request) -> Vec<Parsed> {
 
 /// The classes of a package, or of all packages in a folder.
 fn of_folder(path: &Path, request: &mut Request) -> Result<Vec<Parsed>, String> {
-    let is_package = path.join("package.mo").is_file();
     let absolute = path.canonicalize().map_err(|e| format!("{}: {e}", path.display()))?;
-    let (folder, names): (PathBuf, Vec<String>) = match (is_package, absolute.parent()) {
-        (true, Some(parent)) => {
-            let name = absolute.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            // A folder may have the version after the name.
-            (parent.to_owned(), vec![name])
+    let is_package = |folder: &Path| folder.join("package.mo").is_file();
+    // A package inside of packages has the names of all of them.
+    let inside: Vec<&Path> = absolute.ancestors().take_while(|f| is_package(f)).collect();
+    let (folder, names) = match inside.last().and_then(|root| Some((root, root.parent()?))) {
+        Some((_, parent)) => {
+            let parts = inside.iter().rev().filter_map(|f| f.file_name());
+            let parts: Vec<String> = parts.map(|n| n.to_string_lossy().into_owned()).collect();
+            (parent.to_owned(), vec![parts.join(".")])
         }
-        _ => {
-            (path.to_owned(), top_level(path).map_err(|why| format!("{}: {why}", path.display()))?)
+        None => {
+            let names = top_level(path).map_err(|why| format!("{}: {why}", path.display()))?;
+            (path.to_owned(), names)
         }
     };
     request.folders.insert(0, folder);

@@ -42,6 +42,12 @@ impl Classes {
         classes
     }
 
+    /// The class with a page around the class of this name.
+    pub fn outer(&self, name: &str) -> Option<usize> {
+        let (outer, _) = name.rsplit_once('.')?;
+        self.by_name.get(outer).copied().filter(|k| *k < self.count)
+    }
+
     /// The classes with components of this class, or that extend it.
     pub fn used_by(&self, k: usize) -> &[usize] {
         &self.used_by[k]

@@ -78,6 +78,8 @@ impl Typesetter<'_> {
                 body.iter().for_each(|e| self.equation(e, out, depth + 1));
             }
             EquationKind::Connect(..) | EquationKind::Broken => {}
+            // What must hold is no equation.
+            EquationKind::Call(call) if is_assertion(call) => {}
             EquationKind::Call(call) => line(self.expression(call, 0), out),
         }
     }
@@ -217,6 +219,11 @@ impl Typesetter<'_> {
         };
         r.parts.iter().map(part).collect::<Vec<_>>().join("<mo>.</mo>")
     }
+}
+
+fn is_assertion(call: &Expr) -> bool {
+    let ExprKind::Call { function, .. } = &call.kind else { return false };
+    function.simple().is_some_and(|name| &*name == "assert")
 }
 
 fn bracketed(text: String, is_weak: bool) -> String {

@@ -49,7 +49,7 @@ fn index(classes: &Classes) -> String {
     let roots: Vec<&str> = classes.all[..classes.count]
         .iter()
         .map(|p| p.name.as_str())
-        .filter(|name| !name.contains('.'))
+        .filter(|name| classes.outer(name).is_none())
         .collect();
     let title =
         if let [only] = roots.as_slice() { (*only).to_owned() } else { "Libraries".to_owned() };
@@ -87,6 +87,9 @@ fn page(classes: &Classes, k: usize, diagrams: &Diagrams<'_>) -> String {
     let parts: Vec<&str> = parsed.name.split('.').collect();
     for n in 1..parts.len() {
         let outer = parts[..n].join(".");
+        if classes.outer(&format!("{outer}.x")).is_none() {
+            continue;
+        }
         page.add(&format!(" <a href=\"{}\">{}</a>", file(&outer), escaped(parts[n - 1])));
     }
     let partial = if class.partial { "partial " } else { "" };

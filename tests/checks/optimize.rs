@@ -164,12 +164,12 @@ fn wrong_plans_are_reported() {
     let head = "model = \"throw.mo\"\n[goal]\nmaximize = \"r = at(x, when(y < 0))\"\n";
     let free = "[free]\nangle = { min = 0.1, max = 1.4 }\n";
     let cases = [
-        (format!("model = \"throw.mo\"\n{free}"), "MO1354"),
-        (format!("{head}[free]\nangle = {{ min = 0.1 }}\n"), "MO1355"),
-        (head.to_owned(), "MO1356"),
-        (format!("{head}[free]\nangle = {{ min = 2, max = 1 }}\n"), "MO1357"),
-        (format!("{head}[free]\nangle = {{ min = \"low\", max = 1 }}\n"), "MO1358"),
-        (format!("{head}[free]\nangle = {{ min = \"1 m\", max = \"2 m\" }}\n"), "MO1359"),
+        (format!("model = \"throw.mo\"\n{free}"), "MO1412"),
+        (format!("{head}[free]\nangle = {{ min = 0.1 }}\n"), "MO1413"),
+        (head.to_owned(), "MO1414"),
+        (format!("{head}[free]\nangle = {{ min = 2, max = 1 }}\n"), "MO1415"),
+        (format!("{head}[free]\nangle = {{ min = \"low\", max = 1 }}\n"), "MO1416"),
+        (format!("{head}[free]\nangle = {{ min = \"1 m\", max = \"2 m\" }}\n"), "MO1417"),
         (format!("{head}[free]\nangel = {{ min = 0.1, max = 1.4 }}\n"), "MO1015"),
         (format!("{head}{free}[limits]\nt = {{ is = \"when(q < 0)\" }}\n"), "q"),
     ];
