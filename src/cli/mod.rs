@@ -133,6 +133,7 @@ fn carry_out(command: args::Command) -> Status {
         args::Command::Check(options) => budget::watch(&options.limits),
         _ => budget::watch(&args::model::Limits::default()),
     }
+    QUIET.store(is_quiet(&command), std::sync::atomic::Ordering::Relaxed);
     match command {
         args::Command::Simulate(options) => simulate::run(&options),
         args::Command::Report(options) => report::run(&options),
@@ -162,6 +163,27 @@ fn carry_out(command: args::Command) -> Status {
         args::Command::Structure(options) => show::structure(&options),
     }
 }
+
+/// Whether a command prints nothing but errors. Those that are not here say themselves what they leave out.
+fn is_quiet(command: &args::Command) -> bool {
+    match command {
+        args::Command::Sweep(options) => options.quiet,
+        args::Command::Test(options) => options.quiet && !options.json,
+        args::Command::New(options) => options.quiet,
+        args::Command::Compare(options) => options.quiet && !options.json,
+        args::Command::Plot(options) => options.quiet,
+        args::Command::Calibrate(options) => options.study.quiet,
+        args::Command::Diagnose(options) => options.study.quiet,
+        args::Command::Export(options) => {
+            let args::export::Exported::Fmu(options) = &options.what;
+            options.quiet
+        }
+        _ => false,
+    }
+}
+
+/// The command in progress prints nothing but errors.
+static QUIET: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
 
 /// The value of `MODELICAPATH`.
 fn modelica_path() -> Option<OsString> {
@@ -238,6 +260,9 @@ fn print(text: &str) -> Status {
 /// error.
 fn print_styled(text: &str) -> Status {
     use std::io::{ErrorKind, Write};
+    if QUIET.load(std::sync::atomic::Ordering::Relaxed) {
+        return Status::Done;
+    }
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(why) if why.kind() != ErrorKind::BrokenPipe => {

@@ -287,7 +287,8 @@ fn go(
         ));
     }
     program.constants = constants;
-    let settings = running::settings(&options.running, &program.blocks.dae.experiment);
+    let settings =
+        running::settings(&options.running, &options.model, &program.blocks.dae.experiment);
     let mut kept =
         Kept { progress: Progress::of(settings.start, settings.stop), ..Kept::default() };
     let outcome = simulate_to(&program, &settings, sources, &mut kept);

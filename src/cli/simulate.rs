@@ -68,7 +68,8 @@ pub fn run(options: &Simulate) -> Status {
     }
     let compiled = started_at.elapsed();
 
-    let mut settings = running::settings(&options.running, &program.blocks.dae.experiment);
+    let mut settings =
+        running::settings(&options.running, &options.model, &program.blocks.dae.experiment);
     settings.most_ticks = options.max_events;
     let files = Files::of(options, &program);
     let columns = &columns(&program)[..shown(&program, measures.as_ref())];

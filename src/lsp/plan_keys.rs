@@ -144,6 +144,8 @@ const PROJECT: &[(&str, Keys)] = &[(
     &[
         ("libraries", "folders of libraries"),
         ("allow_read", "folders whose data files models may read"),
+        ("method", "integration method of runs"),
+        ("tolerance", "relative tolerance of runs"),
     ],
 )];
 
@@ -199,6 +201,7 @@ fn item(key: &str, what: &str, kind: usize) -> Json {
 #[cfg(test)]
 mod tests {
     use super::completion;
+    use crate::io::json::Json;
 
     fn keys(name: &str, text: &str) -> Vec<String> {
         let all = Json::object([("all", completion(name, text, text.len()))]);
@@ -216,7 +219,7 @@ mod tests {
         assert_eq!(keys("plan.toml", "[free]\nm = { min = "), [""; 0]);
         assert_eq!(keys("plan.toml", "[free]\n"), [""; 0]);
         assert_eq!(keys("a.test.toml", "[[test]]\nmeasures = {"), ["is", "min", "max", "never"]);
-        assert_eq!(keys("mocc.toml", ""), ["libraries", "allow_read"]);
+        assert_eq!(keys("mocc.toml", ""), ["libraries", "allow_read", "method", "tolerance"]);
         assert!(keys("plan.toml", "[").contains(&"signals".to_owned()));
     }
 }

@@ -42,6 +42,9 @@ pub struct ExportFmu {
     /// Add the source files of the model to the archive.
     #[arg(long)]
     pub with_source: bool,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 /// Who integrates.

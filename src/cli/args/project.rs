@@ -30,6 +30,9 @@ pub struct Test {
     /// Page with the changes, .html, written if there are any.
     #[arg(long, value_name = "FILE", default_value = "mocc-test.html", value_parser = page)]
     pub review: PathBuf,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 /// A project.
@@ -41,6 +44,9 @@ pub struct New {
     /// Kind of the model.
     #[arg(long, value_name = "KIND", value_enum, default_value_t = Template::Valve)]
     pub template: Template,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 /// A project to start from.

@@ -36,6 +36,9 @@ pub struct Compare {
     /// Print the differences as JSON on standard output.
     #[arg(long)]
     pub json: bool,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 /// A chart.
@@ -72,4 +75,7 @@ pub struct Plot {
     /// Picture, .svg or .png [default: the first FILE with .svg].
     #[arg(long, value_name = "PATH", value_parser = picture)]
     pub output: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }

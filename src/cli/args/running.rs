@@ -22,9 +22,9 @@ pub struct Running {
     /// Longest step, s: shorter pulses of the state may be stepped over [default: a 50th of the simulated time].
     #[arg(long, value_name = "DT", allow_negative_numbers = true)]
     pub max_step: Option<f64>,
-    /// Integration method.
-    #[arg(long, value_name = "METHOD", value_enum, default_value_t = Method::Auto)]
-    pub method: Method,
+    /// Integration method [default: that of mocc.toml, else auto].
+    #[arg(long, value_name = "METHOD", value_enum)]
+    pub method: Option<Method>,
     /// Solver of algebraic loops.
     #[arg(long, value_name = "MODE", value_enum, default_value_t = Mode::Reduced)]
     pub mode: Mode,
@@ -55,6 +55,11 @@ impl ValueEnum for Method {
         };
         Some(PossibleValue::new(name).help(help))
     }
+}
+
+/// The method of a name.
+pub fn method_named(name: &str) -> Option<Method> {
+    Method::from_str(name, false).ok()
 }
 
 /// Solver of algebraic loops.

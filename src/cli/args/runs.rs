@@ -151,6 +151,9 @@ pub struct Sweep {
     /// Keep the trajectories of these variables only, separated by commas.
     #[arg(long, value_name = "NAME,...")]
     pub show: Option<String>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 /// Help of `simulate --output`, with all result formats.

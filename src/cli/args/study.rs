@@ -47,6 +47,9 @@ pub struct Study {
     /// Folder for the results [default: PLAN-calibration or PLAN-diagnosis].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 impl Study {
