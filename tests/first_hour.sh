@@ -87,7 +87,7 @@ starts = 2
 [goal]
 minimize = "t_open = when(s > 2.9e-3)"
 [limits]
-v = { is = "at(spool.v, when(s > 2.9e-3))", max = "0.6 m/s" }
+v = { is = "at(spool.v, when(s > 2.9e-3))", max = "1.2 m/s" }
 [free]
 F_magnet = { min = 20, max = 40 }
 PLAN

@@ -93,6 +93,7 @@ impl Typesetter<'_> {
     fn expression(&self, e: &Expr, level: u8) -> String {
         match &e.kind {
             ExprKind::Real(_) | ExprKind::Integer(_) => self.number(e),
+            ExprKind::Parenthesised(inner) => self.expression(inner, level),
             ExprKind::Boolean(flag) => format!("<mi>{flag}</mi>"),
             ExprKind::Ref(r) => self.reference(r),
             ExprKind::Unary(op, inner) => {
@@ -101,7 +102,7 @@ impl Typesetter<'_> {
                     UnaryOp::Minus | UnaryOp::ElementMinus => "<mo>−</mo>",
                     _ => "",
                 };
-                bracketed(format!("{sign}{}", self.expression(inner, 5)), level > 3)
+                bracketed(format!("{sign}{}", self.expression(inner, 4)), level > 3)
             }
             ExprKind::Binary(op, a, b) => self.binary(*op, a, b, level),
             ExprKind::If { branches, otherwise } => {

@@ -14,6 +14,10 @@ use crate::ir::ast::{ArgumentKind, Class, ClassBody, ElementKind, Expr, ExprKind
 use crate::ir::expr::{Const, ExprId, Node};
 use crate::ir::flat::{FlatModel, Variability};
 use crate::parse::grammar::parse;
+use crate::symbolic::eval::{binary, unary};
+
+/// Operators and parameters that a value is computed from, one in the other.
+const DEEPEST: usize = 200;
 
 /// A text after a place.
 #[derive(Clone, PartialEq, Debug)]
@@ -147,21 +151,31 @@ impl<'f> Known<'f> {
     }
 }
 
-/// The value of an expression: of a literal, or of the parameter that it names.
-fn value_of(flat: &FlatModel, mut e: ExprId) -> Option<String> {
-    // Bindings cannot be longer than there are variables.
-    for _ in 0..=flat.variables.len() {
-        match (flat.graph.as_const(e), flat.graph.node(e)) {
-            (Some(Const::Real(bits)), _) => return Some(f64::from_bits(bits).to_string()),
-            (Some(Const::Integer(n)), _) => return Some(n.to_string()),
-            (Some(Const::Boolean(flag)), _) => return Some(flag.to_string()),
-            (None, Node::Var(v)) if flat.variables[v].variability <= Variability::Parameter => {
-                e = flat.variables[v].binding?;
-            }
-            _ => return None,
-        }
+/// The value of an expression of literals and parameters.
+fn value_of(flat: &FlatModel, e: ExprId) -> Option<String> {
+    match flat.graph.as_const(e) {
+        Some(Const::Integer(n)) => Some(n.to_string()),
+        Some(Const::Boolean(flag)) => Some(flag.to_string()),
+        _ => number(flat, e, 0).map(|x| x.to_string()),
     }
-    None
+}
+
+fn number(flat: &FlatModel, e: ExprId, depth: usize) -> Option<f64> {
+    if depth > DEEPEST {
+        return None;
+    }
+    let of = |e| number(flat, e, depth + 1);
+    match flat.graph.node(e) {
+        Node::Const(Const::Real(bits)) => Some(f64::from_bits(bits)),
+        Node::Const(Const::Integer(n)) => Some(n as f64),
+        Node::Var(v) if flat.variables[v].variability <= Variability::Parameter => {
+            of(flat.variables[v].binding?)
+        }
+        Node::Unary(op, a) => Some(unary(op, of(a)?, &flat.graph.externals())),
+        Node::Binary(op, a, b) => Some(binary(op, of(a)?, of(b)?, &flat.graph.externals())),
+        _ => None,
+    }
+    .filter(|x| x.is_finite())
 }
 
 /// ` = 0.03 kg` after a formula, ` kg` after a literal or a name without a value.

@@ -344,11 +344,11 @@ fn names_are_changed_in_other_files_of_the_project() {
     let folder = PathBuf::from(editor.address.trim_start_matches("file://"));
     let folder = folder.parent().expect("its folder").to_owned();
     let other = "model User\n  Base b(gain = 3) \"gain\";\n  Real y = b.gain;\nend User;\n";
-    std::fs::write(folder.join("mocc.toml"), "").expect("a writable folder");
+    std::fs::write(folder.join("mocc.toml"), "libraries = [\".\"]\n").expect("a writable folder");
     std::fs::write(folder.join("Base.mo"), "model Base\n  parameter Real gain = 2;\nend Base;\n")
         .expect("a file");
     std::fs::write(folder.join("User.mo"), other).expect("a file");
-    // The class of a file beside another is found by its name.
+    // The class of a file is found by its name in a folder of libraries.
     let address = format!("file://{}", folder.join("Base.mo").display());
     let text = std::fs::read_to_string(folder.join("Base.mo")).expect("the file");
     let document = json!({ "uri": address, "languageId": "modelica", "version": 1, "text": text });

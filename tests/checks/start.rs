@@ -12,7 +12,6 @@ const MODEL: &str = "model Starts
   Real assumed_zero;
   Real settled(start = 9);
   Real guessed(start = 0.5);
-  Real twice(start = 2*p, fixed = true) = 2*fixed_one;
 initial equation
   der(settled) = 0;
 equation
@@ -56,7 +55,7 @@ fn every_way_has_its_section() {
         "  fixed: start values that the model requires (1):",
         "    fixed_one = 3.0000 m  (start = p)  [m.mo:3:8]",
         "    assumed_zero = 0  (no start value, so 0)  [m.mo:5:8]",
-        "    der(settled) = 0: determines der(settled) = 0  [m.mo:10:3]",
+        "    der(settled) = 0: determines der(settled) = 0  [m.mo:9:3]",
     ] {
         assert!(ended.out.contains(&format!("{line}\n")), "no `{line}` in\n{}", ended.out);
     }
