@@ -6,6 +6,7 @@
 use crate::ir::ast::{
     BinaryOp, ComponentRef, Equation, EquationKind, Expr, ExprKind, RefPart, Subscript, UnaryOp,
 };
+use crate::ir::expr::Unary;
 use crate::report::markup::escaped;
 
 /// Greek letters by their names.
@@ -179,16 +180,20 @@ impl Typesetter<'_> {
     fn call(&self, function: &ComponentRef, args: &[Expr]) -> String {
         let called: Vec<String> = function.parts.iter().map(|p| p.name.name.to_string()).collect();
         let called = called.join(".");
+        match (Unary::called(&called), args) {
+            (Some(Unary::Sqrt), [x]) => {
+                return format!("<msqrt>{}</msqrt>", self.expression(x, 0));
+            }
+            (Some(Unary::Abs), [x]) => {
+                return format!("<mrow><mo>|</mo>{}<mo>|</mo></mrow>", self.expression(x, 0));
+            }
+            _ => {}
+        }
         match (called.as_str(), args) {
             ("der", [x]) => format!(
                 "<mover accent=\"true\"><mrow>{}</mrow><mo>˙</mo></mover>",
                 self.expression(x, 6)
             ),
-            ("sqrt", [x]) => format!("<msqrt>{}</msqrt>", self.expression(x, 0)),
-            ("abs", [x]) => format!("<mrow><mo>|</mo>{}<mo>|</mo></mrow>", self.expression(x, 0)),
-            ("exp", [x]) => {
-                format!("<msup><mi>e</mi><mrow>{}</mrow></msup>", self.expression(x, 0))
-            }
             ("noEvent" | "smooth", [.., x]) => self.expression(x, 0),
             ("pre", [x]) => {
                 format!("<mi>pre</mi><mrow><mo>(</mo>{}<mo>)</mo></mrow>", self.expression(x, 0))

@@ -171,8 +171,8 @@ fn number(flat: &FlatModel, e: ExprId, depth: usize) -> Option<f64> {
         Node::Var(v) if flat.variables[v].variability <= Variability::Parameter => {
             of(flat.variables[v].binding?)
         }
-        Node::Unary(op, a) => Some(unary(op, of(a)?, &flat.graph.externals())),
-        Node::Binary(op, a, b) => Some(binary(op, of(a)?, of(b)?, &flat.graph.externals())),
+        Node::Unary(op, a) => Some(unary(op, of(a)?, flat.graph.externals())),
+        Node::Binary(op, a, b) => Some(binary(op, of(a)?, of(b)?, flat.graph.externals())),
         _ => None,
     }
     .filter(|x| x.is_finite())

@@ -40,7 +40,7 @@ fn every_way_has_its_section() {
     assert_eq!(names(start, "fixed", "name"), ["fixed_one"]);
     assert_eq!(start["fixed"][0]["value"], 3.0);
     assert_eq!(names(start, "assumed", "name"), ["assumed_one", "assumed_zero"]);
-    assert_eq!(names(start, "assumed", "start"), ["2", ""]);
+    assert_eq!(names(start, "assumed", "start"), ["2.0", ""]);
     assert_eq!(names(start, "initial_equations", "equation"), ["der(settled) = 0"]);
     assert_eq!(names(start, "states_from_equations", "name"), ["settled"]);
     assert_eq!(start["states_from_equations"][0]["value"], 4.0);
