@@ -41,7 +41,7 @@ fn every_way_has_its_section() {
     assert_eq!(start["fixed"][0]["value"], 3.0);
     assert_eq!(names(start, "assumed", "name"), ["assumed_one", "assumed_zero"]);
     assert_eq!(names(start, "assumed", "start"), ["2.0", ""]);
-    assert_eq!(names(start, "initial_equations", "equation"), ["der(settled) = 0"]);
+    assert_eq!(names(start, "initial_equations", "equation"), ["der(settled) = 0.0"]);
     assert_eq!(names(start, "states_from_equations", "name"), ["settled"]);
     assert_eq!(start["states_from_equations"][0]["value"], 4.0);
     assert_eq!(names(start, "guesses", "name"), ["guessed"]);
@@ -55,7 +55,7 @@ fn every_way_has_its_section() {
         "  fixed: start values that the model requires (1):",
         "    fixed_one = 3.0000 m  (start = p)  [m.mo:3:8]",
         "    assumed_zero = 0  (no start value, so 0)  [m.mo:5:8]",
-        "    der(settled) = 0: determines der(settled) = 0  [m.mo:9:3]",
+        "    der(settled) = 0.0: determines der(settled) = 0  [m.mo:9:3]",
     ] {
         assert!(ended.out.contains(&format!("{line}\n")), "no `{line}` in\n{}", ended.out);
     }
