@@ -82,10 +82,14 @@ pub mod fmu;
 pub mod sweep;
 // Parameters from recordings.
 pub mod calibrate;
+// The design that makes a measure least or greatest.
+pub mod optimize;
 // The effect that a model lacks, from recordings.
 pub mod diagnose;
 // Tests of a user's own models.
 pub mod regression;
+// Pages of libraries.
+pub mod doc;
 // Models in an editor: the language server protocol.
 pub mod lsp;
 // All causes of diagnostics.

@@ -25,6 +25,7 @@ use crate::fmu::cause::FmuCause;
 use crate::instantiate::cause::InstantiateCause;
 use crate::lower::error::LoweringCause;
 use crate::measure::error::MeasureCause;
+use crate::optimize::cause::DesignCause;
 use crate::parse::error::SyntaxCause;
 use crate::regression::cause::TestCause;
 use crate::resolve::cause::LibraryCause;
@@ -60,6 +61,7 @@ const STAGES: &[&[Entry]] = &[
     CodegenCause::ENTRIES,
     RunCause::ENTRIES,
     PlanCause::ENTRIES,
+    DesignCause::ENTRIES,
     RecordingCause::ENTRIES,
     CatalogueCause::ENTRIES,
     MeasureCause::ENTRIES,

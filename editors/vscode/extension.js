@@ -9,24 +9,26 @@ function program() {
   return vscode.workspace.getConfiguration("mocc").get("path", "mocc");
 }
 
-// Runs a command of mocc on the file of the active editor, in a terminal.
+// Runs a command of mocc in a terminal: on the file and the model of a lens, or on the file of the active editor.
 function onFile(command) {
-  return async () => {
+  return async (file, model) => {
     const editor = vscode.window.activeTextEditor;
     if (!editor) {
       return;
     }
     await editor.document.save();
+    const path = typeof file === "string" ? file : editor.document.uri.fsPath;
+    const name = typeof model === "string" ? ` --model "${model}"` : "";
     const terminal = vscode.window.terminals.find((t) => t.name === "mocc") ?? vscode.window.createTerminal("mocc");
     terminal.show(true);
-    terminal.sendText(`${program()} ${command} "${editor.document.uri.fsPath}"`);
+    terminal.sendText(`${program()} ${command} "${path}"${name}`);
   };
 }
 
 function activate(context) {
   const server = { command: program(), args: ["lsp"] };
   client = new LanguageClient("mocc", "mocc", server, {
-    documentSelector: [{ language: "modelica" }],
+    documentSelector: [{ language: "modelica" }, { scheme: "file", pattern: "**/*.toml" }],
     synchronize: { fileEvents: vscode.workspace.createFileSystemWatcher("**/*.{mo,mol,toml}") },
   });
   const register = vscode.commands.registerCommand;
@@ -34,6 +36,7 @@ function activate(context) {
     client,
     register("mocc.simulate", onFile("simulate")),
     register("mocc.report", onFile("report")),
+    register("mocc.check", onFile("check")),
     register("mocc.test", () => {
       const terminal = vscode.window.createTerminal("mocc");
       terminal.show(true);

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use super::Status;
-use super::args::Limits;
+use super::args::model::Limits;
 use crate::base::activity;
 use crate::driver::memory;
 

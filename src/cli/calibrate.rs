@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::args::Calibrate;
+use super::args::study::Calibrate;
 use super::terminal::Terminal;
 use super::{Status, modelica_path, print};
 use crate::calibrate::page;

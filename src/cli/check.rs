@@ -1,6 +1,6 @@
 //! `mocc check`: all problems of a file at once, for people or as JSON.
 
-use super::args::Check;
+use super::args::inspect::Check;
 use super::{Status, print, say};
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::{SourceMap, Span};

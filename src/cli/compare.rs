@@ -1,6 +1,6 @@
 //! `mocc compare`: two results in, their differences out.
 
-use super::args::Compare;
+use super::args::results::Compare;
 use super::{Status, print, running};
 use crate::compare::tolerance::Tolerance;
 use crate::io::format::Format;

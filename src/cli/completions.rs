@@ -1,6 +1,7 @@
 //! `mocc completions` and `mocc man`: the command line, for shells and for `man`.
 
-use super::args::{Completions, Man, completions, man_pages};
+use super::args::project::{Completions, Man};
+use super::args::{completions, man_pages};
 use super::{Status, print};
 use crate::io::atomic_file::{create_folder, write_file};
 

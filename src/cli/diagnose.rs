@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::args::Diagnose;
+use super::args::study::Diagnose;
 use super::terminal::Terminal;
 use super::{Status, interrupt, modelica_path, print};
 use crate::diagnose::policy::SearchPolicy;

@@ -1,6 +1,6 @@
 //! `mocc evaluate`: judges a frozen model on recordings.
 
-use super::args::Evaluate;
+use super::args::study::Evaluate;
 use super::{Status, modelica_path, print, running, say};
 use crate::calibrate::evaluate::{Request, is_model, run as evaluate};
 use crate::calibrate::run::CalibrationError;

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::args::Explain;
+use super::args::inspect::Explain;
 use super::{Status, print, print_styled, style_of};
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::render::Style;

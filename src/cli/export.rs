@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use super::args::{Export, ExportFmu, Exported, FmuType};
+use super::args::export::{Export, ExportFmu, Exported, FmuType};
 use super::{Status, explain, print, running, say, style};
 use crate::base::diag::Diagnostic;
 use crate::base::render::render;

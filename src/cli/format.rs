@@ -1,6 +1,7 @@
 //! `mocc fmt`: files put in order, in place.
 
-use super::args::{Format, is_standard};
+use super::args::inspect::Format;
+use super::args::model::is_standard;
 use super::{Status, print, standard_input, style};
 use crate::base::render::render_all;
 use crate::base::source::SourceMap;

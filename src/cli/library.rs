@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::args::{Library, LibraryCommand};
+use super::args::project::{Library, LibraryCommand};
 use super::{Status, modelica_path, print};
 use crate::base::diag::did_you_mean;
 use crate::driver::catalogue::{Listed, list, shipped, show};

@@ -1,6 +1,6 @@
 //! `mocc steady` and `mocc linearize`: where a model rests, and its linear system there or at another instant.
 
-use super::args::{At, Linearize, Point, Steady};
+use super::args::linear::{At, Linearize, Point, Steady};
 use super::linear_text::{steady_text, system_text};
 use super::{Status, print, running, say};
 use crate::driver::compile::{Ports, Session};

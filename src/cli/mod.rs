@@ -16,6 +16,7 @@ pub mod check;
 pub mod compare;
 pub mod completions;
 pub mod diagnose;
+pub mod doc;
 pub mod evaluate;
 pub mod explain;
 pub mod export;
@@ -27,6 +28,7 @@ pub mod linear_text;
 pub mod linearize;
 pub mod lsp;
 pub mod new;
+pub mod optimize;
 pub mod plan;
 pub mod plot;
 pub mod progress;
@@ -35,10 +37,12 @@ pub mod run_summary;
 pub mod running;
 pub mod show;
 pub mod simulate;
+pub mod start_text;
 pub mod stream;
 pub mod sweep;
 pub mod terminal;
 pub mod test;
+pub mod watch;
 pub mod writer;
 
 use std::ffi::OsString;
@@ -134,14 +138,17 @@ fn carry_out(command: args::Command) -> Status {
     match &command {
         args::Command::Simulate(options) => budget::watch(&options.limits),
         args::Command::Check(options) => budget::watch(&options.limits),
-        _ => budget::watch(&args::Limits::default()),
+        _ => budget::watch(&args::model::Limits::default()),
     }
+    QUIET.store(is_quiet(&command), std::sync::atomic::Ordering::Relaxed);
     match command {
         args::Command::Simulate(options) => simulate::run(&options),
         args::Command::Report(options) => report::run(&options),
+        args::Command::Watch(options) => watch::run(&options),
         args::Command::Calibrate(options) => calibrate::run(&options),
         args::Command::Diagnose(options) => diagnose::run(&options),
         args::Command::Evaluate(options) => evaluate::run(&options),
+        args::Command::Optimize(options) => optimize::run(&options),
         args::Command::Steady(options) => linearize::steady(&options),
         args::Command::Linearize(options) => linearize::run(&options),
         args::Command::Test(options) => test::run(&options),
@@ -149,6 +156,7 @@ fn carry_out(command: args::Command) -> Status {
         args::Command::New(options) => new::run(&options),
         args::Command::Plan(options) => plan::run(&options),
         args::Command::Lib(options) => library::run(&options),
+        args::Command::Doc(options) => doc::run(&options),
         args::Command::Lsp => lsp::run(),
         args::Command::Completions(options) => completions::run(&options),
         args::Command::Man(options) => completions::man(&options),
@@ -162,6 +170,27 @@ fn carry_out(command: args::Command) -> Status {
         args::Command::Structure(options) => show::structure(&options),
     }
 }
+
+/// Whether a command prints nothing but errors. Those that are not here say themselves what they leave out.
+fn is_quiet(command: &args::Command) -> bool {
+    match command {
+        args::Command::Sweep(options) => options.quiet,
+        args::Command::Test(options) => options.quiet && !options.json,
+        args::Command::New(options) => options.quiet,
+        args::Command::Compare(options) => options.quiet && !options.json,
+        args::Command::Plot(options) => options.quiet,
+        args::Command::Calibrate(options) => options.study.quiet,
+        args::Command::Diagnose(options) => options.study.quiet,
+        args::Command::Export(options) => {
+            let args::export::Exported::Fmu(options) = &options.what;
+            options.quiet
+        }
+        _ => false,
+    }
+}
+
+/// The command in progress prints nothing but errors.
+static QUIET: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
 
 /// The value of `MODELICAPATH`.
 fn modelica_path() -> Option<OsString> {
@@ -190,9 +219,26 @@ fn standard_input() -> String {
     }
 }
 
+thread_local! {
+    /// What this thread writes to the standard error, while somebody wants it.
+    static CAPTURED: std::cell::RefCell<Option<String>> = const { std::cell::RefCell::new(None) };
+}
+
+/// Does some work, and returns what it wrote to the standard error, too.
+fn capture_errors<T>(work: impl FnOnce() -> T) -> (T, String) {
+    CAPTURED.set(Some(String::new()));
+    let out = work();
+    (out, CAPTURED.take().unwrap_or_default())
+}
+
 /// Writes to the standard error; a closed pipe or a full disk behind it does not end the command.
 fn to_standard_error(text: std::fmt::Arguments<'_>) {
     use std::io::Write;
+    CAPTURED.with_borrow_mut(|captured| {
+        if let Some(captured) = captured {
+            captured.push_str(&text.to_string());
+        }
+    });
     let _ = std::io::stderr().lock().write_fmt(text);
 }
 
@@ -221,6 +267,9 @@ fn print(text: &str) -> Status {
 /// error.
 fn print_styled(text: &str) -> Status {
     use std::io::{ErrorKind, Write};
+    if QUIET.load(std::sync::atomic::Ordering::Relaxed) {
+        return Status::Done;
+    }
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
         Err(why) if why.kind() != ErrorKind::BrokenPipe => {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::args::New;
+use super::args::project::New;
 use super::{Status, print};
 use crate::driver::files::{is_shipped, template};
 use crate::io::atomic_file::{create_folder, write_file};

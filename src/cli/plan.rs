@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::args::PlanSkeleton;
+use super::args::study::PlanSkeleton;
 use super::{Status, print, say};
 use crate::calibrate::skeleton::skeleton;
 use crate::driver::compile::Session;

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use super::args::{Plot, is_standard};
+use super::args::model::is_standard;
+use super::args::results::Plot;
 use super::{Status, print, standard_input};
 use crate::driver::files;
 use crate::io::format::Format;
@@ -22,6 +23,8 @@ pub fn run(options: &Plot) -> Status {
     }
 }
 
+/// Values of the column of `--by`: each has a curve.
+const MOST_GROUPS: usize = 30;
 /// Panels of a picture whose columns the user has not named.
 const MOST_PANELS: usize = 4;
 
@@ -88,8 +91,13 @@ fn picture(options: &Plot) -> Result<(), String> {
         if tables.is_empty() {
             continue;
         }
-        let mut series: Vec<Series> =
-            tables.iter().map(|t| series(t, &across, &panels)).collect::<Result<_, _>>()?;
+        let mut series: Vec<Series> = match &options.by {
+            None => tables.iter().map(|t| series(t, &across, &panels)).collect::<Result<_, _>>()?,
+            Some(by) => {
+                let all = tables.iter().map(|t| grouped(t, by, &across, &panels));
+                all.collect::<Result<Vec<_>, _>>()?.concat()
+            }
+        };
         if let Some((from, to)) = options.range {
             let outside = |x: &mut f64| *x = if (from..=to).contains(x) { *x } else { f64::NAN };
             series.iter_mut().flat_map(|s| &mut s.x).for_each(outside);
@@ -154,6 +162,56 @@ fn series(table: &str, across: &Shown, panels: &[Shown]) -> Result<Series, Strin
         .ok_or_else(|| format!("{} has no columns for `{}`", path.display(), across.text))?;
     let y = panels.iter().map(|p| p.of(&columns)).collect::<Result<_, _>>()?;
     Ok(Series { label, x, y })
+}
+
+/// The curves of the rows that have the same value in the column `by`, in the order in which the values come.
+fn grouped(table: &str, by: &str, across: &Shown, panels: &[Shown]) -> Result<Vec<Series>, String> {
+    let (path, label) = path_of(table);
+    let all = series(table, across, panels)?;
+    let keys = texts(&path, by)?;
+    let mut values: Vec<&String> = Vec::new();
+    for key in &keys {
+        if !values.contains(&key) {
+            values.push(key);
+        }
+        if values.len() > MOST_GROUPS {
+            let path = path.display();
+            return Err(format!(
+                "`{by}` has more than {MOST_GROUPS} values in {path}: a curve each"
+            ));
+        }
+    }
+    let part = |value: &String| {
+        let kept = |column: &[f64]| -> Vec<f64> {
+            let rows = column.iter().zip(&keys).filter(|(_, key)| *key == value);
+            rows.map(|(x, _)| *x).collect()
+        };
+        let label = format!("{label} {by} = {value}").trim_start().to_owned();
+        let y = all.y.iter().map(|column| column.as_deref().map(kept)).collect();
+        Series { label, x: kept(&all.x), y }
+    };
+    Ok(values.into_iter().map(part).collect())
+}
+
+/// A column of a table as it is written.
+fn texts(path: &Path, name: &str) -> Result<Vec<String>, String> {
+    let missing = || format!("{} has no column `{name}`", path.display());
+    let is_binary = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("mat") || e.eq_ignore_ascii_case("parquet"));
+    if is_binary {
+        let all = columns(path)?;
+        let k = all.names.iter().position(|n| n == name).ok_or_else(missing)?;
+        return Ok(all.values[k].iter().map(ToString::to_string).collect());
+    }
+    let text = if is_standard(path) { Ok(read_once()) } else { files::read(path) };
+    let text = text.map_err(|e| format!("cannot read {}: {e}", path.display()))?;
+    let mut lines = text.lines().filter(|line| !line.trim().is_empty());
+    let names = lines.next().map(parts).unwrap_or_default();
+    let k = names.iter().position(|n| n == name).ok_or_else(missing)?;
+    Ok(lines
+        .map(|line| parts(line).get(k).map_or(String::new(), |t| t.trim().to_owned()))
+        .collect())
 }
 
 /// The columns of a table; values that are not numbers are missing.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::args::Report;
+use super::args::runs::Report;
 use super::progress::Progress;
 use super::{Status, interrupt, print, running, say};
 use crate::base::index::{FastMap, FastSet};
@@ -43,6 +43,11 @@ pub fn run(options: &Report) -> Status {
     }
 }
 
+/// Makes the page at `path`, and prints nothing but errors.
+pub(super) fn make_page(options: &Report, path: PathBuf) -> Status {
+    run(&Report { output: Some(path), quiet: true, ..options.clone() })
+}
+
 /// Reports an error in the command line or a file.
 fn wrong(why: impl std::fmt::Display) -> Status {
     eprintln!("error: {why}");
@@ -81,7 +86,7 @@ fn make(options: &Report) -> Result<Status, Status> {
     if !whole {
         say(&session);
         draw_diagram(options, &assembly, &session.sources, &mut written)?;
-        return Ok(print(&list(&written)));
+        return Ok(if options.quiet { Status::Done } else { print(&list(&written)) });
     }
     let parameters: FastSet<String> = flat
         .variables
@@ -152,7 +157,10 @@ fn make(options: &Report) -> Result<Status, Status> {
     write_file(&output, html(&doc).as_bytes()).map_err(wrong)?;
     written.push(output);
     let summary = format!("{}: {}\n", doc.model, counted(doc.runs.len()));
-    let status = print(&format!("{summary}{}", list(&written)));
+    let status = match options.quiet {
+        true => Status::Done,
+        false => print(&format!("{summary}{}", list(&written))),
+    };
     Ok(if interrupted { Status::Interrupted } else { status })
 }
 
@@ -279,7 +287,8 @@ fn go(
         ));
     }
     program.constants = constants;
-    let settings = running::settings(&options.running, &program.blocks.dae.experiment);
+    let settings =
+        running::settings(&options.running, &options.model, &program.blocks.dae.experiment);
     let mut kept =
         Kept { progress: Progress::of(settings.start, settings.stop), ..Kept::default() };
     let outcome = simulate_to(&program, &settings, sources, &mut kept);

@@ -8,7 +8,7 @@ use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Event};
 use crate::simulate::run::Run;
 
-/// Model, statistics, measures, events and the files that were written; times in s.
+/// Model, statistics, measures, events and the files that were written; times in s. `start` explains the initial values.
 pub fn summary_json(
     program: &Program,
     run: &Run,
@@ -16,6 +16,7 @@ pub fn summary_json(
     measures: &[Column],
     values: &[Option<f64>],
     written: &[PathBuf],
+    start: Option<Json>,
 ) -> Json {
     let dae = &program.blocks.dae;
     let s = &run.statistics;
@@ -41,16 +42,21 @@ pub fn summary_json(
         ("compiled", Json::number(compiled.as_secs_f64())),
         ("simulated", Json::number(s.elapsed.as_secs_f64())),
     ]);
-    Json::object([
-        ("model", Json::text(dae.name.as_str())),
-        ("states", Json::count(program.state_count())),
-        ("equations", Json::count(equations)),
-        ("end", Json::number(s.end)),
-        ("interrupted", Json::flag(s.interrupted)),
-        ("terminated", s.terminated.as_deref().map_or(Json::null(), Json::text)),
-        ("statistics", statistics),
-        ("measures", Json::object(measures.iter().zip(values).map(measure))),
-        ("events", Json::list(run.trajectory.events.iter().map(event))),
-        ("files", Json::list(written.iter().map(|p| Json::text(p.display().to_string())))),
-    ])
+    let start = start.map(|start| ("start", start));
+    Json::object(
+        [
+            ("model", Json::text(dae.name.as_str())),
+            ("states", Json::count(program.state_count())),
+            ("equations", Json::count(equations)),
+            ("end", Json::number(s.end)),
+            ("interrupted", Json::flag(s.interrupted)),
+            ("terminated", s.terminated.as_deref().map_or(Json::null(), Json::text)),
+            ("statistics", statistics),
+            ("measures", Json::object(measures.iter().zip(values).map(measure))),
+            ("events", Json::list(run.trajectory.events.iter().map(event))),
+            ("files", Json::list(written.iter().map(|p| Json::text(p.display().to_string())))),
+        ]
+        .into_iter()
+        .chain(start),
+    )
 }

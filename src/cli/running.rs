@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::args::{Model, Running, is_standard};
-use super::{Status, explain, style};
+use super::args::model::{Model, is_standard};
+use super::args::running::{Running, method_named};
+use super::{Status, explain, project, style};
 use crate::base::render::render;
 use crate::base::source::SourceMap;
 use crate::codegen::recording;
@@ -48,15 +49,18 @@ pub(super) fn restrict(
     }
 }
 
-/// The settings of a run: options override the experiment annotation of the model.
-pub(super) fn settings(options: &Running, experiment: &Experiment) -> Settings {
+/// The settings of a run: options override the experiment annotation of the model, which overrides those of the project.
+pub(super) fn settings(options: &Running, model: &Model, experiment: &Experiment) -> Settings {
+    let project = project(model.file.as_deref());
+    let method = project.method.as_deref().and_then(method_named);
     let experiment = Experiment {
         start: experiment.start,
         stop: options.stop.or(experiment.stop),
         interval: options.interval.or(experiment.interval),
-        tolerance: options.tolerance.or(experiment.tolerance),
+        tolerance: options.tolerance.or(experiment.tolerance).or(project.tolerance),
     };
-    Settings { method: options.method, max_step: options.max_step, ..Settings::of(&experiment) }
+    let method = options.method.or(method).unwrap_or_default();
+    Settings { method, max_step: options.max_step, ..Settings::of(&experiment) }
 }
 
 /// Shows why a run failed.

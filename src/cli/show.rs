@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::args::{Model, Structure};
+use super::args::inspect::Structure;
+use super::args::model::Model;
 use super::{Status, print, say};
 use crate::base::diag::Diagnostic;
 use crate::driver::cause::RequestCause;

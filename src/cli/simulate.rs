@@ -3,17 +3,21 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::args::{Simulate, is_standard};
+use super::args::model::is_standard;
+use super::args::runs::Simulate;
 use super::progress::Progress;
 use super::run_summary::summary_json;
+use super::start_text::Start;
 use super::stream::{OtherUnit, Stream, drawable};
 use super::{Status, fmu_host, interrupt, print, print_file, running, say, style};
 use crate::base::diag::did_you_mean;
 use crate::base::render::render;
+use crate::base::source::SourceMap;
 use crate::driver::compile::{Request, Session};
 use crate::driver::quantity::scale_of;
 use crate::io::atomic_file::scratch_path;
 use crate::io::format::Format;
+use crate::io::json::Json;
 use crate::io::printout::Printout;
 use crate::ir::program::Program;
 use crate::ir::trajectory::{Column, Trajectory, position};
@@ -21,8 +25,12 @@ use crate::measure::observe::{Observer, Plan};
 use crate::report::plot;
 use crate::report::plot::choice::default_figure;
 use crate::report::plot::figure::panels_for;
+use crate::runtime::machine::Machine;
 use crate::simulate::columns::{column_storage, columns};
+use crate::simulate::initialization::initialise;
 use crate::simulate::run::{Run, simulate_to};
+use crate::simulate::settings::Settings;
+use crate::structure::start_report::report;
 
 /// Runs the command.
 pub fn run(options: &Simulate) -> Status {
@@ -61,7 +69,8 @@ pub fn run(options: &Simulate) -> Status {
     }
     let compiled = started_at.elapsed();
 
-    let mut settings = running::settings(&options.running, &program.blocks.dae.experiment);
+    let mut settings =
+        running::settings(&options.running, &options.model, &program.blocks.dae.experiment);
     settings.most_ticks = options.max_events;
     let files = Files::of(options, &program);
     let columns = &columns(&program)[..shown(&program, measures.as_ref())];
@@ -72,6 +81,13 @@ pub fn run(options: &Simulate) -> Status {
             return Status::Usage;
         }
     };
+    let mut start = None;
+    if options.explain_start {
+        match explain_start(options, &program, &settings, &session.sources, is_piped) {
+            Ok(json) => start = Some(json),
+            Err(status) => return status,
+        }
+    }
     interrupt::listen();
     if let Some(progress) = Progress::of(settings.start, settings.stop) {
         stream.show(progress);
@@ -111,7 +127,7 @@ pub fn run(options: &Simulate) -> Status {
     };
     let printed = if options.json {
         let measures = measures.as_ref().map_or(&[][..], |plan| &plan.columns);
-        print(&summary_json(&program, &run, compiled, measures, &values, &written).pretty())
+        print(&summary_json(&program, &run, compiled, measures, &values, &written, start).pretty())
     } else {
         let mut text = if options.events { events(&run.trajectory) } else { String::new() };
         if !options.quiet {
@@ -141,6 +157,31 @@ pub fn run(options: &Simulate) -> Status {
     // The process ends: freeing gigabytes of a large model would only take time.
     std::mem::forget(program);
     status
+}
+
+/// Prints how the initial values come about, before the run, which may fail; for `--json` returns it.
+fn explain_start(
+    options: &Simulate,
+    program: &Program,
+    settings: &Settings,
+    sources: &SourceMap,
+    is_piped: bool,
+) -> Result<Json, Status> {
+    let mut machine = Machine::new(program);
+    let machine = initialise(&mut machine, settings).is_ok().then_some(&machine);
+    let start = Start { program, machine, sources, report: &report(&program.blocks) };
+    if options.json {
+        return Ok(start.json());
+    }
+    let text = start.text();
+    if is_piped {
+        eprint!("{text}");
+        return Ok(Json::null());
+    }
+    match print(&text) {
+        Status::Done => Ok(Json::null()),
+        status => Err(status),
+    }
 }
 
 /// Number of variables of the user that are recorded: the first.

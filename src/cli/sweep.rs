@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::args::Sweep as Options;
+use super::args::runs::Sweep as Options;
 use super::progress::Progress;
 use super::running::{self, names_in};
-use super::{Status, interrupt, print, say};
+use super::{Status, interrupt, print, project, say};
 use crate::driver::compile::Session;
 use crate::driver::packed::Packed;
 use crate::io::atomic_file::create_folder;
@@ -232,7 +232,7 @@ fn design(options: &Options) -> Result<Design, SweepError> {
 
 /// Settings of all runs. If no trajectory is kept, there are rows at events only.
 fn settings(options: &Options, experiment: &Experiment, traces: bool) -> Settings {
-    let settings = running::settings(&options.running, experiment);
+    let settings = running::settings(&options.running, &options.model, experiment);
     if traces { settings } else { settings.without_grid() }
 }
 
@@ -272,6 +272,7 @@ fn describe(options: &Options) -> String {
                 options.running.mode
             ),
             (options.traces, &options.show, pattern),
+            project(options.model.file.as_deref()),
         )
     )
 }

@@ -1,6 +1,6 @@
 //! `mocc test`: runs tests of models, shows what changed, and writes snapshots if asked to.
 
-use super::args::Test as Options;
+use super::args::project::Test as Options;
 use super::{Status, modelica_path, print, say_problems};
 use crate::base::diag::Problems;
 use crate::base::source::SourceMap;

@@ -72,6 +72,62 @@ pub fn list(request: &Request, package: &str) -> Option<Vec<Listed>> {
     None
 }
 
+/// A class with the text of its file, in which its spans are places.
+#[derive(Clone, Debug)]
+pub struct Parsed {
+    /// Its full name.
+    pub name: String,
+    /// Its syntax tree.
+    pub class: Arc<Class>,
+    /// The text of its file.
+    pub file: Arc<str>,
+    /// The file, as messages show it.
+    pub path: PathBuf,
+}
+
+/// A package with all classes in it, each before those inside; each file is read once. Empty without such a package.
+pub fn tree(request: &Request, package: &str) -> Vec<Parsed> {
+    let mut out = Vec::new();
+    for folder in folders(request) {
+        grow(&*folder, package, &mut out);
+        if !out.is_empty() {
+            break;
+        }
+    }
+    out
+}
+
+fn grow(folder: &dyn Folder, full: &str, out: &mut Vec<Parsed>) {
+    let stem: PathBuf = full.split('.').collect();
+    let files = [stem.join("package.mo"), PathBuf::from(format!("{}.mo", stem.display()))];
+    let found = files.into_iter().find_map(|p| Some((folder.read(&p)?.ok()?, p)));
+    let Some((text, path)) = found else { return };
+    parsed(&text, &folder.display(&path), full.rsplit_once('.').map_or("", |(p, _)| p), out);
+    for name in names(folder, &stem) {
+        let inner = format!("{full}.{name}");
+        if !out.iter().any(|known| known.name == inner) {
+            grow(folder, &inner, out);
+        }
+    }
+}
+
+/// The classes of a text, which stands in the package `within`.
+pub fn parsed(text: &str, path: &Path, within: &str, out: &mut Vec<Parsed>) {
+    let (mut sources, mut problems) = (SourceMap::default(), Problems::new());
+    let id = sources.add(path, text);
+    let file = parse(id, text, &mut problems);
+    let text: Arc<str> = text.into();
+    let mut open: Vec<(String, Arc<Class>)> =
+        file.classes.iter().rev().map(|c| (within.to_owned(), Arc::clone(c))).collect();
+    while let Some((within, class)) = open.pop() {
+        let own = class.name.name.to_string();
+        let name = if within.is_empty() { own } else { format!("{within}.{own}") };
+        let inner: Vec<Arc<Class>> = inside(&class).cloned().collect();
+        open.extend(inner.into_iter().rev().map(|c| (name.clone(), c)));
+        out.push(Parsed { name, class, file: Arc::clone(&text), path: path.to_owned() });
+    }
+}
+
 /// The source of a class by its full name.
 pub fn show(request: &Request, name: &str) -> Option<Shown> {
     folders(request).iter().find_map(|folder| class(&**folder, name)).map(|(_, shown)| shown)

@@ -423,11 +423,30 @@ impl Session {
         request: &Request,
         measures: &[String],
     ) -> Result<(Program, Plan), CompileError> {
+        self.compile_with_measures(request, measures, false)
+    }
+
+    /// The same, with the variables that the derivatives of the measures need.
+    pub fn compile_differentiable(
+        &mut self,
+        request: &Request,
+        measures: &[String],
+    ) -> Result<(Program, Plan), CompileError> {
+        self.compile_with_measures(request, measures, true)
+    }
+
+    fn compile_with_measures(
+        &mut self,
+        request: &Request,
+        measures: &[String],
+        has_slopes: bool,
+    ) -> Result<(Program, Plan), CompileError> {
         let mut read = Measures::default();
         let flat = self.flatten_by(
             request,
             |cx, class, settings| {
                 read = Measures::read(measures, cx.class_graph.sources, cx.class_graph.problems);
+                read.has_slopes = has_slopes;
                 let base = cx.classes[class].full_name.to_string();
                 let annotation = cx.definition(class).and_then(|t| t.annotation.clone());
                 let file = extended::file(&read, &base, annotation, cx.sources);

@@ -3,7 +3,7 @@
 //! *In:* a request whose text may be unfinished, and a byte offset. *Out:* the declaration that the name there refers to,
 //! the names that may be written there, and all places in the text that refer to the same declaration.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -71,6 +71,8 @@ pub struct Candidate {
     pub description: String,
     /// It is modified here, so ` = ` follows.
     pub is_modifier: bool,
+    /// Its value in the declaration, as written; empty without one.
+    pub default: String,
 }
 
 /// A component of a class, or a class.
@@ -107,22 +109,15 @@ impl Session {
         self.with_text(request, |cx, file, text| {
             let target = resolve(cx, file, &word(text, offset)?, offset)?;
             let found = describe(cx, &target)?;
-            let mut places = Vec::new();
-            // Tokens, so that strings and comments do not count.
-            let tokens = lex(file.id, text, &mut Problems::new()).tokens;
-            for token in tokens.iter().filter(|t| t.kind == TokenKind::Ident) {
-                let at = token.start;
-                if text.get(at as usize..token.end as usize) != Some(found.name.as_str()) {
-                    continue;
-                }
-                let Some(other) = word(text, at) else { continue };
-                let same = resolve(cx, file, &other, at).and_then(|target| describe(cx, &target));
-                if same.is_some_and(|same| same.path == found.path && same.place == found.place) {
-                    places.push(other.place);
-                }
-            }
+            let places = places(cx, file, text, &found);
             Some((found, places))
         })?
+    }
+
+    /// All places in another text that refer to a declaration.
+    pub fn occurrences_of(&mut self, request: &Request, found: &Found) -> Vec<(u32, u32)> {
+        let places = self.with_text(request, |cx, file, text| places(cx, file, text, found));
+        places.unwrap_or_default()
     }
 
     /// The names that may be written at `offset`.
@@ -154,6 +149,7 @@ impl Session {
                         detail: "package".into(),
                         description: String::new(),
                         is_modifier: false,
+                        default: String::new(),
                     });
                 }
             }
@@ -172,6 +168,7 @@ impl Session {
                 detail: String::new(),
                 description: String::new(),
                 is_modifier: false,
+                default: String::new(),
             }));
         }
         out
@@ -212,6 +209,33 @@ impl Session {
             (None, Some(unit)) => Some(format!("in {unit}")),
         }
     }
+}
+
+/// The places in a text that refer to a declaration.
+fn places(cx: &mut Evaluator<'_>, file: &ast::File, text: &str, found: &Found) -> Vec<(u32, u32)> {
+    let mut places = Vec::new();
+    // Tokens, so that strings and comments do not count.
+    let tokens = lex(file.id, text, &mut Problems::new()).tokens;
+    for token in tokens.iter().filter(|t| t.kind == TokenKind::Ident) {
+        let at = token.start;
+        if text.get(at as usize..token.end as usize) != Some(found.name.as_str()) {
+            continue;
+        }
+        let Some(other) = word(text, at) else { continue };
+        let same = resolve(cx, file, &other, at).and_then(|target| describe(cx, &target));
+        if same
+            .is_some_and(|same| same.place == found.place && is_same_file(&same.path, &found.path))
+        {
+            places.push(other.place);
+        }
+    }
+    places
+}
+
+/// Two paths of one file, as different texts name it.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    let absolute = |path: &Path| std::path::absolute(path).ok();
+    a == b || absolute(a).is_some_and(|a| Some(a) == absolute(b))
 }
 
 /// The classes around a place, from the outermost, and the full name of the innermost.
@@ -432,6 +456,9 @@ fn members(cx: &mut Evaluator<'_>, class: ClassId, inside: bool, modified: bool)
                 let (clause, component) = (declaration.clause(), declaration.component());
                 let is_fixed =
                     clause.prefix.variability.is_some_and(|v| v != Variability::Discrete);
+                let binding = component.modification.as_ref().and_then(|m| m.binding.clone());
+                let binding = binding.and_then(|e| cx.sources.text(e.span).map(str::to_owned));
+                let default = binding.unwrap_or_default();
                 let kind = match is_fixed {
                     true => CandidateKind::Parameter,
                     false => CandidateKind::Component,
@@ -442,6 +469,7 @@ fn members(cx: &mut Evaluator<'_>, class: ClassId, inside: bool, modified: bool)
                     detail: clause.type_name.to_string(),
                     description: component.description.as_deref().unwrap_or_default().to_owned(),
                     is_modifier: modified,
+                    default,
                 });
             }
             EntryKind::Class(text) if inside && !modified => out.push(of_class(text)),
@@ -476,5 +504,6 @@ fn of_class(text: &Class) -> Candidate {
         detail: detail.to_owned(),
         description: text.description.as_deref().unwrap_or_default().to_owned(),
         is_modifier: false,
+        default: String::new(),
     }
 }

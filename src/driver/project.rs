@@ -10,6 +10,9 @@ use crate::base::toml_file::read as read_toml;
 /// The name of the file.
 pub const NAME: &str = "mocc.toml";
 
+/// Names of integration methods.
+pub const METHODS: [&str; 4] = ["auto", "radau", "bdf", "dopri"];
+
 /// The settings of a project.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Project {
@@ -17,6 +20,10 @@ pub struct Project {
     pub libraries: Vec<PathBuf>,
     /// Folders whose data files models may read.
     pub allow_read: Vec<PathBuf>,
+    /// Integration method of runs whose command names none: one of [`METHODS`].
+    pub method: Option<String>,
+    /// Relative tolerance of runs for which neither the command nor the model has one.
+    pub tolerance: Option<f64>,
 }
 
 /// The settings that hold for a file, or for the working directory. Errors are added to `problems`.
@@ -25,13 +32,19 @@ pub fn of(file: Option<&Path>, sources: &mut SourceMap, problems: &mut Problems)
     let Ok(text) = read(&path) else { return Project::default() };
     let base = path.parent().unwrap_or(Path::new("")).to_owned();
     let found = read_toml(&path, &text, sources, problems, |r, root| {
-        r.known(&root, &["libraries", "allow_read"]);
+        r.known(&root, &["libraries", "allow_read", "method", "tolerance"]);
         let folders = |names: Option<Vec<String>>| {
             names.unwrap_or_default().into_iter().map(|name| base.join(name)).collect()
         };
         Project {
             libraries: folders(r.texts(&root, "libraries")),
             allow_read: folders(r.texts(&root, "allow_read")),
+            method: r.value(&root, "method", "\"auto\", \"radau\", \"bdf\" or \"dopri\"", |item| {
+                item.text().filter(|name| METHODS.contains(&name.as_str()))
+            }),
+            tolerance: r.value(&root, "tolerance", "a positive number", |item| {
+                item.number().filter(|x| *x > 0.0 && x.is_finite())
+            }),
         }
     });
     found.unwrap_or_default()

@@ -1,5 +1,6 @@
 //! Answers about names: hover, definition, references, rename, completion.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::driver::catalogue::shipped;
@@ -9,6 +10,7 @@ use crate::io::atomic_file::{create_folder, write_file};
 use crate::io::json::Json;
 
 use super::position::{address_of, range};
+use super::workspace::{Referring, referring};
 
 /// The declaration of a name, as Markdown.
 pub fn hover(request: &Request, offset: usize) -> Option<Json> {
@@ -53,36 +55,51 @@ fn readable(found: &Found) -> Option<PathBuf> {
     Some(path)
 }
 
-/// All places in the text that refer to the same declaration.
-pub fn references(request: &Request, offset: usize, address: &str) -> Option<Json> {
-    let text = request.text.as_deref()?;
-    let (_, places) = Session::default().occurrences(request, offset as u32)?;
-    let place = |&(start, end): &(u32, u32)| {
-        let place = range(text, start as usize, end as usize);
-        Json::object([("uri", Json::text(address)), ("range", place)])
+/// All places that refer to the same declaration, in this text and in other files.
+pub fn references(
+    request: &Request,
+    offset: usize,
+    open: &BTreeMap<PathBuf, String>,
+) -> Option<Json> {
+    let (_, all) = referring(request, offset, open)?;
+    let of = |file: &Referring| {
+        let address = address_of(&file.path);
+        let place = |&(start, end): &(u32, u32)| {
+            let place = range(&file.text, start as usize, end as usize);
+            Json::object([("uri", Json::text(address.as_str())), ("range", place)])
+        };
+        file.places.iter().map(place).collect::<Vec<_>>()
     };
-    Some(Json::list(places.iter().map(place)))
+    Some(Json::list(all.iter().flat_map(of)))
 }
 
-/// The edits that give a name of this text another one. The error says why there are none.
-pub fn rename(request: &Request, offset: usize, address: &str, new: &str) -> Result<Json, String> {
-    let text = request.text.as_deref().unwrap_or_default();
+/// The edits that give a name another one, in this text and in other files. The error says why there are none.
+pub fn rename(
+    request: &Request,
+    offset: usize,
+    new: &str,
+    open: &BTreeMap<PathBuf, String>,
+) -> Result<Json, String> {
     let is_name = new.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && new.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if !is_name {
         return Err(format!("`{new}` is not a name"));
     }
-    let found = Session::default().occurrences(request, offset as u32);
-    let (found, places) = found.ok_or("there is no name that can be changed here")?;
-    if Some(found.path.as_path()) != request.file.as_deref() {
+    let found = referring(request, offset, open);
+    let (found, all) = found.ok_or("there is no name that can be changed here")?;
+    // A declaration outside of the files that are searched would keep its name.
+    let declared = all.iter().find(|file| file.path == found.path);
+    if declared.is_none_or(|file| !file.places.contains(&found.place)) {
         return Err(format!("`{}` is declared in {}", found.name, found.path.display()));
     }
-    let edit = |&(start, end): &(u32, u32)| {
-        let place = range(text, start as usize, end as usize);
-        Json::object([("range", place), ("newText", Json::text(new))])
+    let of = |file: &Referring| {
+        let edit = |&(start, end): &(u32, u32)| {
+            let place = range(&file.text, start as usize, end as usize);
+            Json::object([("range", place), ("newText", Json::text(new))])
+        };
+        (address_of(&file.path), Json::list(file.places.iter().map(edit)))
     };
-    let edits = Json::list(places.iter().map(edit));
-    Ok(Json::object([("changes", Json::object([(address, edits)]))]))
+    Ok(Json::object([("changes", Json::object(all.iter().map(of)))]))
 }
 
 /// The names that may be written.
@@ -97,10 +114,14 @@ pub fn completion(request: &Request, offset: usize) -> Json {
             CandidateKind::Keyword => 14,
         };
         let inserted = if c.is_modifier { format!("{} = ", c.name) } else { c.name.clone() };
+        let detail = match c.default.as_str() {
+            "" => c.detail.clone(),
+            default => format!("{} = {default}", c.detail),
+        };
         Json::object([
             ("label", Json::text(c.name.as_str())),
             ("kind", Json::count(kind)),
-            ("detail", Json::text(c.detail.as_str())),
+            ("detail", Json::text(detail)),
             ("documentation", Json::text(c.description.as_str())),
             ("insertText", Json::text(inserted)),
             ("sortText", Json::text(format!("{k:06}"))),

@@ -3,13 +3,16 @@
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::io::{self, BufRead, Write};
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::answers;
 use super::colours;
 use super::diagnostics::{Placed, check, json};
+use super::lenses;
 use super::message::{answer, notification, read, refusal, write};
 use super::outline;
+use super::plan_keys;
 use super::position::{offset_of, path_of, range};
 use super::repairs;
 use crate::base::diag::Problems;
@@ -148,6 +151,10 @@ impl<W: Write> Server<W> {
             self.documents.iter().filter(|(_, d)| d.changed).map(|(a, _)| a.clone()).collect();
         for address in changed {
             let Some(request) = self.compiled(&address) else { continue };
+            if request.file.as_ref().is_some_and(|f| is_toml(&f.to_string_lossy())) {
+                self.documents.entry(address).and_modify(|document| document.changed = false);
+                continue;
+            }
             let (placed, session) = check(&request);
             let text = request.text.as_deref().unwrap_or_default();
             let all = json(&placed, text, &session);
@@ -179,6 +186,12 @@ impl<W: Write> Server<W> {
         })
     }
 
+    /// The texts of the client by their files.
+    fn open(&self) -> BTreeMap<PathBuf, String> {
+        let all = self.documents.iter();
+        all.filter_map(|(address, d)| Some((path_of(address)?, d.text.clone()))).collect()
+    }
+
     /// The answer to a request; none if there is no such method. The error says why it failed.
     fn request(&mut self, method: &str, message: &Json) -> Result<Option<Json>, String> {
         match method {
@@ -194,15 +207,30 @@ impl<W: Write> Server<W> {
         let text = compiled.text.as_deref().unwrap_or_default();
         let place = |keys: &[&str]| message.at(keys).map_or(0, |p| offset_of(text, &p));
         let offset = place(&["params", "position"]);
+        let file = compiled.file.as_ref().map(|f| f.to_string_lossy()).unwrap_or_default();
+        if is_toml(&file) {
+            return Ok(match method {
+                "textDocument/completion" => Some(plan_keys::completion(&file, text, offset)),
+                _ => Some(Json::null()),
+            });
+        }
         let or_null = |answer: Option<Json>| Ok(Some(answer.unwrap_or_else(Json::null)));
         match method {
             "textDocument/hover" => or_null(answers::hover(&compiled, offset)),
             "textDocument/definition" => or_null(answers::definition(&compiled, offset)),
-            "textDocument/references" => or_null(answers::references(&compiled, offset, address)),
+            "textDocument/references" => {
+                or_null(answers::references(&compiled, offset, &self.open()))
+            }
             "textDocument/completion" => Ok(Some(answers::completion(&compiled, offset))),
             "textDocument/rename" => {
                 let new = message.text_at(&["params", "newName"]).unwrap_or_default();
-                answers::rename(&compiled, offset, address, new).map(Some)
+                answers::rename(&compiled, offset, new, &self.open()).map(Some)
+            }
+            "textDocument/codeLens" => Ok(Some(lenses::lenses(&compiled))),
+            "textDocument/inlayHint" => {
+                let part =
+                    (place(&["params", "range", "start"]), place(&["params", "range", "end"]));
+                Ok(Some(lenses::hints(&compiled, part)))
             }
             "textDocument/formatting" => Ok(Some(formatted(text))),
             "textDocument/documentSymbol" => Ok(Some(outline::symbols(text))),
@@ -217,6 +245,11 @@ impl<W: Write> Server<W> {
             _ => Ok(None),
         }
     }
+}
+
+/// A plan, a test or the settings of a project.
+fn is_toml(file: &str) -> bool {
+    file.ends_with(".toml")
 }
 
 /// The edit that formats a text; none if it has syntax errors.
@@ -250,6 +283,8 @@ fn capabilities() -> Json {
         ("definitionProvider", yes()),
         ("referencesProvider", yes()),
         ("renameProvider", yes()),
+        ("codeLensProvider", Json::object([("resolveProvider", Json::flag(false))])),
+        ("inlayHintProvider", yes()),
         ("documentFormattingProvider", yes()),
         ("documentSymbolProvider", yes()),
         ("foldingRangeProvider", yes()),

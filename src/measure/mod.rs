@@ -7,9 +7,10 @@
 //! variables of the extended model, which are compiled, differentiated and checked like all others.
 //! Conditions become latched Booleans, whose first change is located as an event; integrals become states;
 //! extreme values are found on the polynomials of the steps (`simulate::extrema`). The arithmetic between the
-//! functions becomes the binding of a parameter, which is evaluated after the run.
+//! functions becomes the binding of a parameter, which is evaluated after the run. [`slopes`] are their derivatives.
 pub mod error;
 pub mod formula;
 pub mod model;
 pub mod observe;
+pub mod slopes;
 pub mod text;

@@ -37,6 +37,21 @@ pub fn integral(e: usize) -> String {
     format!("'measure: integral {e}'")
 }
 
+/// Name of the state whose final value is the time at which a condition becomes true, after the start.
+pub fn stopwatch(c: usize) -> String {
+    format!("'measure: stopwatch {c}'")
+}
+
+/// Name of the variable that keeps the value that an expression has when a condition becomes true.
+pub fn held(e: usize, c: usize) -> String {
+    format!("'measure: held {e} {c}'")
+}
+
+/// Name of the variable that keeps the value that the integral of an expression has then.
+pub fn held_integral(e: usize, c: usize) -> String {
+    format!("'measure: held integral {e} {c}'")
+}
+
 /// Name of the parameter that is 1 once the values of functions are known.
 pub const KNOWN: &str = "'measure: known'";
 
@@ -85,6 +100,9 @@ pub fn file(
             equations.push_str(&format!("  der({sum}) = {};\n", expression(*of)));
         }
     }
+    if measures.has_slopes {
+        add_slopes(measures, &mut text, &mut equations);
+    }
     for measure in &measures.list {
         text.push_str(&format!("  parameter Real {} = 0;\n", measure.name));
     }
@@ -111,6 +129,37 @@ pub fn file(
         *class = Arc::new(whole);
     }
     file
+}
+
+/// Adds variables whose derivatives are those of measures, also where instants of events move: the sensitivities of a
+/// run are exact for states and discrete variables.
+fn add_slopes(measures: &Measures, text: &mut String, equations: &mut String) {
+    for c in 0..measures.conditions.len() {
+        let (watch, ever) = (stopwatch(c), happened(c));
+        text.push_str(&format!("  Real {watch}(start = 0, fixed = true);\n"));
+        equations.push_str(&format!("  der({watch}) = if {ever} then 0 else 1;\n"));
+    }
+    let mut known: Vec<String> = Vec::new();
+    let mut hold = |name: String, value: String, c: usize| {
+        if known.contains(&name) {
+            return;
+        }
+        text.push_str(&format!("  discrete Real {name}(start = 0, fixed = true);\n"));
+        let ever = happened(c);
+        equations.push_str(&format!("  when {ever} then\n    {name} = {value};\n  end when;\n"));
+        known.push(name);
+    };
+    for function in &measures.functions {
+        match function {
+            Function::At(e, c) => hold(held(*e, *c), expression(*e), *c),
+            Function::Integral { of, range, .. } => {
+                for c in range.from.iter().chain(&range.until) {
+                    hold(held_integral(*of, *c), integral(*of), *c);
+                }
+            }
+            _ => {}
+        }
+    }
 }
 
 /// Reports measures that depend on variables outside their functions.

@@ -1,7 +1,9 @@
 //! The observation of a run for measures, and their values after it.
 
 use super::error;
-use super::model::{KNOWN, expression, happened, integral, is_internal};
+use super::model::{
+    KNOWN, expression, happened, held, held_integral, integral, is_internal, stopwatch,
+};
 use super::text::{Function, Measures};
 use crate::base::diag::Problems;
 use crate::ir::dae::VariableKind;
@@ -17,16 +19,16 @@ use crate::simulate::settings::Settings;
 /// Measures in a compiled program.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    measures: Measures,
+    pub(super) measures: Measures,
     /// The variables of the user among those that are recorded: they come first.
     pub shown: usize,
     /// The parameters that take the values of the functions, and the one that marks them as known.
-    values: Vec<VarId>,
-    known: Option<VarId>,
+    pub(super) values: Vec<VarId>,
+    pub(super) known: Option<VarId>,
     /// The parameters that are the measures.
-    results: Vec<VarId>,
+    pub(super) results: Vec<VarId>,
     /// The extreme values that the run must find.
-    extrema: Vec<ExtremumRequest>,
+    pub(super) extrema: Vec<ExtremumRequest>,
     /// Name and SI unit of each measure.
     pub columns: Vec<Column>,
 }
@@ -108,6 +110,20 @@ impl Plan {
             }
         }
         all.extend((0..self.measures.conditions.len()).map(happened));
+        if self.measures.has_slopes {
+            all.extend((0..self.measures.conditions.len()).map(stopwatch));
+            for function in &self.measures.functions {
+                match function {
+                    Function::At(e, c) => all.push(held(*e, *c)),
+                    Function::ExtremumRequest { of, .. } => all.push(expression(*of)),
+                    Function::Integral { of, range, .. } => {
+                        let ends = range.from.iter().chain(&range.until);
+                        all.extend(ends.map(|c| held_integral(*of, *c)));
+                    }
+                    _ => {}
+                }
+            }
+        }
         all
     }
 

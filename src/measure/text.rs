@@ -29,6 +29,8 @@ pub struct Measures {
     pub expressions: Vec<Expr>,
     /// When something has happened.
     pub conditions: Vec<Expr>,
+    /// The model gets variables for the derivatives of measures ([`super::slopes`]).
+    pub has_slopes: bool,
 }
 
 /// A measure.

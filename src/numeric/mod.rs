@@ -29,5 +29,6 @@ pub mod pseudo_inverse;
 pub mod root;
 pub mod small_lu;
 pub mod smoothing;
+pub mod sqp;
 pub mod time_series;
 pub mod whiteness;

@@ -51,6 +51,8 @@ struct Tracked {
     after: Option<Slot>,
     before: Option<Slot>,
     best: Option<f64>,
+    /// Time of the best value, s.
+    at: f64,
 }
 
 impl ExtremaSearch {
@@ -62,6 +64,7 @@ impl ExtremaSearch {
             after: e.after.map(|v| program.slot(v)),
             before: e.before.map(|v| program.slot(v)),
             best: None,
+            at: start,
         };
         let tracked = tracked.iter().map(of).collect();
         ExtremaSearch { tracked, spacing, reached: start, ..ExtremaSearch::default() }
@@ -71,11 +74,16 @@ impl ExtremaSearch {
     pub fn found(&self) -> Vec<Option<f64>> {
         self.tracked.iter().map(|w| w.best.map(|best| w.sign * best)).collect()
     }
+
+    /// The time of each extremum, s.
+    pub fn times(&self) -> Vec<f64> {
+        self.tracked.iter().map(|w| w.at).collect()
+    }
 }
 
 impl Simulation<'_, '_> {
-    /// Updates the extrema by the values in the memory.
-    pub(super) fn update_extrema(&mut self) {
+    /// Updates the extrema by the values in the memory, which are those at `t`, s.
+    pub(super) fn update_extrema(&mut self, t: f64) {
         let machine = &self.system.machine;
         for w in &mut self.extrema.tracked {
             let counts = w.after.is_none_or(|slot| machine.get(slot) != 0.0)
@@ -83,6 +91,7 @@ impl Simulation<'_, '_> {
             let value = w.sign * machine.get(w.slot);
             if counts && value.is_finite() && w.best.is_none_or(|best| value > best) {
                 w.best = Some(value);
+                w.at = t;
             }
         }
     }
@@ -110,7 +119,7 @@ impl Simulation<'_, '_> {
             times.push(t);
             let machine = &self.system.machine;
             values.extend(self.extrema.tracked.iter().map(|w| w.sign * machine.get(w.slot)));
-            self.update_extrema();
+            self.update_extrema(t);
         }
         // Conditions of requests change at events only.
         for k in 0..width {
@@ -148,7 +157,7 @@ impl Simulation<'_, '_> {
             return Err(failure);
         }
         self.evaluate_at(t)?;
-        self.update_extrema();
+        self.update_extrema(t);
         Ok(())
     }
 

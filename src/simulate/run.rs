@@ -81,6 +81,8 @@ pub struct Statistics {
     pub warnings: Vec<Diagnostic>,
     /// The requested extrema; `None` if the condition of the request was never true.
     pub extrema: Vec<Option<f64>>,
+    /// The time of each, s.
+    pub extremum_times: Vec<f64>,
 }
 
 /// A finished run.
@@ -169,6 +171,7 @@ fn run_to(
     statistics.integration = *simulation.stepper.stats();
     statistics.method = simulation.stepper.describe(statistics.method);
     statistics.extrema = simulation.extrema.found();
+    statistics.extremum_times = simulation.extrema.times();
     statistics.elapsed = started.elapsed();
     Ok(statistics)
 }
@@ -637,7 +640,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let evaluated = self.system.evaluate_all(t, &self.y);
         evaluated.map_err(|f| of_fault(&self.system.machine, f, t))?;
         self.take_row(t)?;
-        self.update_extrema();
+        self.update_extrema(t);
         self.put_row(t);
         Ok(())
     }

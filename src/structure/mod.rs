@@ -25,6 +25,7 @@ pub mod redundant_initial;
 mod singular_blocks;
 pub mod solve;
 pub mod sort;
+pub mod start_report;
 pub mod structural_zeros;
 pub mod tear;
 

@@ -300,3 +300,89 @@ fn the_whole_text_is_formatted_outlined_folded_and_coloured() {
     assert_eq!(reply["error"]["code"], -32601);
     editor.close();
 }
+
+#[test]
+fn hints_show_units_and_values_after_modification() {
+    let text = MODEL
+        .replace("m = 0.03", "m = 2*m_0")
+        .replace("equation", "  parameter Units.Mass m_0 = 0.015;\nequation");
+    let mut editor = Editor::open(&text);
+    let all =
+        json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 99, "character": 0 } });
+    let wanted = json!({ "textDocument": { "uri": editor.address }, "range": all });
+    let hints = editor.ask("textDocument/inlayHint", wanted);
+    let all: Vec<(u64, String)> = hints
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|h| {
+            (
+                h["position"]["line"].as_u64().expect("a line"),
+                h["label"].as_str().expect("a text").to_owned(),
+            )
+        })
+        .collect();
+    let has = |line: u64, text: &str| all.contains(&(line, text.to_owned()));
+    // F = 25 is in N; f = F is 25 N after the modification, m = 2*m_0 is 0.03 kg, s_max = 3e-3 is in m.
+    assert!(has(1, "N") && has(3, "= 0.03 kg") && has(3, "m") && has(4, "kg"), "{all:?}");
+    let lenses =
+        editor.ask("textDocument/codeLens", json!({ "textDocument": { "uri": editor.address } }));
+    let titles: Vec<&str> = lenses
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter_map(|l| l["command"]["title"].as_str())
+        .collect();
+    assert_eq!(titles, ["Simulate", "Report", "Check"]);
+    assert_eq!(lenses[0]["command"]["arguments"][1], "Push");
+    editor.close();
+}
+
+#[test]
+fn names_are_changed_in_other_files_of_the_project() {
+    let mut editor = Editor::open("model Base\n  parameter Real gain = 2;\nend Base;\n");
+    let folder = PathBuf::from(editor.address.trim_start_matches("file://"));
+    let folder = folder.parent().expect("its folder").to_owned();
+    let other = "model User\n  Base b(gain = 3) \"gain\";\n  Real y = b.gain;\nend User;\n";
+    std::fs::write(folder.join("mocc.toml"), "libraries = [\".\"]\n").expect("a writable folder");
+    std::fs::write(folder.join("Base.mo"), "model Base\n  parameter Real gain = 2;\nend Base;\n")
+        .expect("a file");
+    std::fs::write(folder.join("User.mo"), other).expect("a file");
+    // The class of a file is found by its name in a folder of libraries.
+    let address = format!("file://{}", folder.join("Base.mo").display());
+    let text = std::fs::read_to_string(folder.join("Base.mo")).expect("the file");
+    let document = json!({ "uri": address, "languageId": "modelica", "version": 1, "text": text });
+    editor.tell("textDocument/didOpen", json!({ "textDocument": document }));
+    let place = json!({ "line": 1, "character": 17 });
+    let wanted = json!({ "textDocument": { "uri": address }, "position": place, "context": { "includeDeclaration": true } });
+    let places = editor.ask("textDocument/references", wanted);
+    let of = |name: &str, places: &Value| {
+        let all = places.as_array().expect("a list").iter();
+        all.filter(|p| p["uri"].as_str().is_some_and(|u| u.ends_with(name))).count()
+    };
+    assert_eq!((of("Base.mo", &places), of("User.mo", &places)), (1, 2), "{places}");
+    let wanted =
+        json!({ "textDocument": { "uri": address }, "position": place, "newName": "factor" });
+    let edits = editor.ask("textDocument/rename", wanted);
+    let changed = edits["changes"].as_object().expect("edits");
+    assert_eq!(changed.len(), 2, "{edits}");
+    editor.close();
+}
+
+#[test]
+fn keys_of_plans_are_completed() {
+    let mut editor = Editor::open(MODEL);
+    let text = "model = \"push.mo\"\n[goal]\n";
+    let address = editor.address.replace("push.mo", "plan.toml");
+    let document = json!({ "uri": address, "languageId": "toml", "version": 1, "text": text });
+    editor.tell("textDocument/didOpen", json!({ "textDocument": document }));
+    let wanted =
+        json!({ "textDocument": { "uri": address }, "position": { "line": 2, "character": 0 } });
+    let items = editor.ask("textDocument/completion", wanted);
+    assert_eq!(
+        (&items[0]["label"], &items[1]["label"]),
+        (&json!("minimize"), &json!("maximize")),
+        "{items}"
+    );
+    editor.close();
+}

@@ -74,7 +74,7 @@ const GROUPS: &[(&str, &[&str])] = &[
     ("Plans and recordings", &["10"]),
     ("Measures", &["11"]),
     ("FMUs", &["13"]),
-    ("Tests and projects", &["14"]),
+    ("Tests, projects and designs", &["14"]),
 ];
 
 // ---- The examples ----

@@ -239,3 +239,49 @@ fn snapshots_do_not_depend_on_the_working_directory() {
     let ended = mocc(parent, &["test", &name]);
     assert_eq!(ended.status, 0, "{}", ended.out);
 }
+
+#[test]
+fn an_update_that_is_killed_leaves_the_old_or_the_new_file() {
+    let folder = accepted();
+    let snapshots = |folder: &Scratch| -> Vec<(String, String)> {
+        let list = fs::read_dir(folder.path().join("ramp.test")).expect("the snapshots");
+        let mut all: Vec<(String, String)> = list
+            .flatten()
+            .map(|e| e.file_name().to_string_lossy().into_owned())
+            .filter(|name| !name.starts_with('.') && !name.contains(".tmp"))
+            .map(|name| (name.clone(), read(folder.path(), &format!("ramp.test/{name}"))))
+            .collect();
+        all.sort();
+        all
+    };
+    let old = snapshots(&folder);
+    edited(&folder, "gain = 1;", "gain = 1.2;");
+    let other = project();
+    edited(&other, "gain = 1;", "gain = 1.2;");
+    mocc(other.path(), &["test", "--update"]);
+    let new = snapshots(&other);
+    let mut ends = [0, 0];
+    for delay in 0..24 {
+        for (name, text) in &old {
+            folder.file(&format!("ramp.test/{name}"), text);
+        }
+        let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_mocc"))
+            .current_dir(folder.path())
+            .args(["test", "--update", "--jobs", "1"])
+            .stdout(std::process::Stdio::null())
+            .stderr(std::process::Stdio::null())
+            .spawn()
+            .expect("mocc starts");
+        std::thread::sleep(std::time::Duration::from_micros(1500 * delay));
+        // It may have ended.
+        let _ = child.kill();
+        child.wait().expect("it ends");
+        for (name, text) in &old {
+            let found = read(folder.path(), &format!("ramp.test/{name}"));
+            let after = new.iter().find(|(other, _)| other == name).map(|(_, text)| text);
+            assert!(found == *text || Some(&found) == after, "{name} is neither: {found}");
+            ends[usize::from(found != *text)] += 1;
+        }
+    }
+    assert!(ends[0] > 0, "no run was killed before its end: {ends:?}");
+}

@@ -506,3 +506,87 @@ fn all_examples_open_without_a_word_of_the_console() {
     let (said, console) = browse(&chromium, folder.path(), &page, script);
     assert_eq!((said.as_str(), console.as_str()), (",2,0", ""));
 }
+
+#[test]
+fn charts_have_two_axes_stand_over_variables_and_are_saved() {
+    let Some(chromium) = chromium() else { return };
+    let folder = Scratch::new();
+    let page = page(folder.path(), &[&example("valve52.mol")]);
+    let script = "
+        const m = window.__mocc, show = (...names) => { m.chosen.splice(0, m.chosen.length, ...names.map(n => m.byName.get(n))); };
+        const count = q => document.querySelectorAll(q).length;
+        const change = (select, value) => { select.value = value; select.dispatchEvent(new Event('change')); };
+        show('s', 'p14', 'p12', 'v');
+        change(m.layout, 'unit'); const unit = count('#traces-figure .panel');
+        change(m.layout, 'each'); const each = count('#traces-figure .panel');
+        change(m.layout, 'pairs'); const pairs = count('#traces-figure .panel');
+        // Every panel has numbers on its axis of time.
+        const axes = [...document.querySelectorAll('#traces-figure .panel > svg')].every(p => [...p.querySelectorAll('text')].some(t => t.textContent === '60'));
+        const svg = m.picture();
+        // Drag up and down: only values are zoomed.
+        const own = m.figure.panels[0], box = own.plot.getBoundingClientRect();
+        const send = (type, x, y) => own.plot.dispatchEvent(new PointerEvent(type, { clientX: box.left + x, clientY: box.top + y, pointerId: 1, button: 0 }));
+        own.plot.setPointerCapture = () => {};
+        send('pointerdown', 200, 40); send('pointermove', 201, 100); send('pointerup', 201, 100);
+        const band = own.band.map(v => v.toFixed(2)).join(' '), whole = m.figure.view.join(' ');
+        m.figure.showAll();
+        m.figure.zoom([0.02, 0.021]);
+        const csv = m.table().trim().split('\\n');
+        m.figure.showAll();
+        change(m.over, String(m.byName.get('s')));
+        const over = [count('#plane-figure path.trace'), document.getElementById('traces-figure').hidden];
+        m.go(0.025);
+        const dots = count('#plane-figure circle');
+        return JSON.stringify({ unit, each, pairs, axes, svg: svg.startsWith('<svg') && !svg.includes('var(--'), band, whole, head: csv[0], rows: csv.length, over, dots });";
+    let (said, console) = browse(&chromium, folder.path(), &page, script);
+    assert_eq!(console, "", "the console is silent");
+    let said: Value = serde_json::from_str(&said).unwrap_or_else(|why| panic!("{why}: {said}"));
+    assert_eq!(
+        (&said["unit"], &said["each"], &said["pairs"]),
+        (&3.into(), &4.into(), &2.into()),
+        "{said}"
+    );
+    assert_eq!((&said["axes"], &said["svg"]), (&true.into(), &true.into()), "{said}");
+    assert_eq!(said["whole"], "0 0.12", "the time stays: {said}");
+    let band: Vec<f64> = said["band"]
+        .as_str()
+        .expect("a band")
+        .split(' ')
+        .map(|v| v.parse().expect("a number"))
+        .collect();
+    assert!(band[1] - band[0] > 0.5 && band[1] - band[0] < 2.5, "60 px of 162 of 3.9 mm: {said}");
+    assert_eq!(said["head"], "time [s],s [m],p14 [Pa],p12 [Pa],v [m/s]");
+    assert!(said["rows"].as_u64().expect("a count") > 3, "{said}");
+    assert_eq!(said["over"], serde_json::json!([3, true]), "{said}");
+    assert_eq!(said["dots"], 3, "{said}");
+}
+
+#[test]
+fn the_page_fits_a_narrow_window_and_a_dark_theme() {
+    let Some(chromium) = chromium() else { return };
+    let folder = Scratch::new();
+    let page = page(folder.path(), &[&example("valve52.mol")]);
+    // The window of a headless browser is not narrower than 500 px, so the page is in a frame of 400 px.
+    std::fs::write(folder.path().join("inner.html"), &page).expect("a writable folder");
+    let outer = "<!DOCTYPE html><html><body><iframe id=\"f\" src=\"inner.html\" style=\"width:400px;height:3000px\"></iframe></body></html>";
+    let script = "
+        const inner = document.getElementById('f').contentWindow;
+        if (!inner.__mocc) return 'no page';
+        inner.__mocc.go(0.05);
+        const wide = inner.document.documentElement.scrollWidth;
+        const values = [...inner.document.querySelectorAll('#traces-figure .value')].map(v => v.getBoundingClientRect());
+        const inside = values.every(b => b.width > 0 && b.left >= 0 && b.right <= 400);
+        return JSON.stringify({ wide, values: values.length, inside });";
+    let (said, _) = browse(&chromium, folder.path(), outer, script);
+    if said.contains("SecurityError") || said.contains("no page") {
+        eprintln!("skipped: the browser separates files from each other");
+    } else {
+        let said: Value = serde_json::from_str(&said).unwrap_or_else(|why| panic!("{why}: {said}"));
+        assert!(said["wide"].as_u64().expect("a width") <= 400, "{said}");
+        assert_eq!((&said["values"], &said["inside"]), (&5.into(), &true.into()), "{said}");
+    }
+    assert!(page.contains("@media (prefers-color-scheme: dark)"));
+    for hard in ["fill: '#fff'", "stroke: '#eceff2'"] {
+        assert!(!page.contains(hard), "`{hard}` does not follow the theme");
+    }
+}

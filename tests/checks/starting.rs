@@ -260,3 +260,67 @@ fn shells_and_man_know_the_commands() {
     assert!(page.contains("tolerance") && page.contains(".TH mocc"), "{page}");
     assert!(folder.path().join("man1/mocc-lib-show.1").exists());
 }
+
+#[test]
+fn a_project_has_a_method_and_a_tolerance() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    let model = "model D Real q(start = 1, fixed = true); equation der(q) = -q; end D;";
+    folder.file("d.mo", model);
+    folder.file("mocc.toml", "method = \"bdf\"\ntolerance = 1e-3\n");
+    let steps = |arguments: &[&str]| -> (String, u64) {
+        let ended = done(path, &[&["simulate", "d.mo", "--json"], arguments].concat());
+        let json: serde_json::Value = serde_json::from_str(&ended.out).expect("JSON");
+        let of = &json["statistics"];
+        (of["method"].as_str().expect("a method").to_owned(), of["steps"].as_u64().expect("steps"))
+    };
+    let (method, coarse) = steps(&[]);
+    assert!(method.starts_with("bdf"), "{method}");
+    assert!(steps(&["--tolerance", "1e-9"]).1 * 2 > 3 * coarse, "the flag precedes");
+    assert!(steps(&["--method", "dopri"]).0.starts_with("dopri"));
+    // The tolerance of the model precedes that of the project.
+    folder.file("d.mo", &model.replace("end D", "annotation(experiment(Tolerance = 1e-9)); end D"));
+    assert!(steps(&[]).1 * 2 > 3 * coarse);
+    folder.file("mocc.toml", "method = \"euler\"\n");
+    assert!(refused(path, &["simulate", "d.mo"]).contains("MO1403"));
+}
+
+#[test]
+fn rows_of_a_sweep_are_grouped_by_any_column() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    folder.file("t.csv", "run,p,law,t\n1,1,soft,3\n2,2,soft,4\n3,1,hard,5\n4,2,hard,7\n");
+    done(path, &["plot", "t.csv", "--x", "p", "--y", "t", "--by", "law", "--output", "law.svg"]);
+    let text = fs::read_to_string(path.join("law.svg")).expect("a picture");
+    assert!(text.contains("law = soft") && text.contains("law = hard"), "a curve for each");
+    done(path, &["plot", "t.csv", "--x", "run", "--y", "t", "--by", "p", "--output", "p.svg"]);
+    let arguments = ["plot", "t.csv", "--x", "p", "--y", "t", "--by", "q", "--output", "q.svg"];
+    assert!(refused(path, &arguments).contains("t.csv has no column `q`"));
+    let rows: String = (0..40).map(|k| format!("{k},{k}\n")).collect();
+    folder.file("many.csv", &format!("a,b\n{rows}"));
+    assert!(
+        refused(path, &["plot", "many.csv", "--by", "a", "--output", "a.svg"])
+            .contains("more than 30")
+    );
+}
+
+#[test]
+fn quiet_commands_print_nothing() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    let ended = done(path, &["new", "pump", "--quiet"]);
+    assert_eq!((ended.out.as_str(), ended.err.as_str()), ("", ""));
+    for arguments in [
+        &["test", "pump", "--quiet"][..],
+        &["report", "pump/pump.mol", "--output", "r.html", "--quiet"],
+        &["simulate", "pump/pump.mol", "--output", "a.csv", "--quiet"],
+        &["compare", "a.csv", "a.csv", "--quiet"],
+        &["plot", "a.csv", "--quiet"],
+        &["sweep", "pump/pump.mol", "--vary", "p_supply=5e5,6e5", "--output", "s.csv", "--quiet"],
+        &["calibrate", "pump/pump.toml", "--no-profiles", "--out", "fit", "--quiet"],
+        &["doc", "pump/pump.mol", "-o", "pages", "--quiet"],
+    ] {
+        let ended = done(path, arguments);
+        assert_eq!((ended.out.as_str(), ended.err.as_str()), ("", ""), "{arguments:?}");
+    }
+}

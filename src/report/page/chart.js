@@ -1,7 +1,8 @@
 'use strict';
 // Charts of all pages: panels of curves above each other over one axis of time.
 //
-//   drag            zoom into what is marked        wheel          zoom about the pointer
+//   drag            zoom into what is marked: sideways the time, up and down the values, slanted both
+//   wheel           zoom about the pointer, beside the axis of values zoom those
 //   shift + drag    move                            double click   everything again
 //   arrow keys      move the cursor                 log            logarithmic axis
 //
@@ -9,8 +10,10 @@
 // beside the names. Nothing is loaded from anywhere.
 const mocc = (() => {
   const SVG = 'http://www.w3.org/2000/svg';
-  const COLOURS = ['#0072b2', '#c05200', '#00734f', '#a8327d', '#7a6000', '#2b8cbe', '#5b4fa2', '#1a1a1a'];
-  const LEFT = 62, RIGHT = 14, TOP = 6, AXIS = 34;
+  // Names of the style sheet, which has them for light and dark ground.
+  const COLOURS = [0, 1, 2, 3, 4, 5, 6, 7].map(k => `var(--c${k})`);
+  // TICKS is the room for the times below a panel, AXIS with the name of the axis, BAND the height of a mark that zooms values.
+  const LEFT = 62, WIDE = 14, TOP = 6, TICKS = 22, AXIS = 36, BAND = 24;
 
   // ---- Data ----
 
@@ -141,8 +144,9 @@ const mocc = (() => {
     build(panel, k) {
       const element = html('div', { class: 'panel' }, this.root);
       const header = html('header', {}, element);
-      const unit = panel.scale.unit;
-      html('span', { class: 'axis' }, header, [panel.label, unit && `in ${unit}`].filter(Boolean).join(' '));
+      const axis = (label, scale) => [label, scale.unit && `in ${scale.unit}`].filter(Boolean).join(' ');
+      html('span', { class: 'axis' }, header, axis(panel.label, panel.scale));
+      if (panel.right) html('span', { class: 'axis' }, header, `right: ${axis(panel.right.label, panel.right.scale)}`);
       const values = panel.curves.map(c => {
         const item = html('span', { class: 'curve', title: c.title ?? c.name }, header);
         const key = svg('svg', { width: 20, height: 10, 'aria-hidden': 'true' }, item);
@@ -160,7 +164,7 @@ const mocc = (() => {
       const some = is => all.some(c => c.y.some(y => is(c.factor * y)));
       log.hidden = panel.low || !some(y => y > 0) || some(y => y < 0);
       const plot = svg('svg', { role: 'img', tabindex: '0', 'aria-label': panel.label || 'curves' }, element);
-      const own = { panel, element, values, plot, log: false, k };
+      const own = { panel, element, values, plot, log: false, k, band: null };
       log.addEventListener('click', () => {
         own.log = !own.log;
         log.setAttribute('aria-pressed', own.log);
@@ -176,28 +180,37 @@ const mocc = (() => {
         ? { 'stroke-width': 3, 'stroke-linecap': 'round', 'stroke-opacity': 0.55 }
         : { 'stroke-width': 1.7, 'stroke-linejoin': 'round' };
       if (c.dash) style['stroke-dasharray'] = c.dash;
-      return svg('path', { d: path, fill: 'none', stroke: colour, ...style }, parent);
+      const element = svg('path', { d: path, fill: 'none', ...style }, parent);
+      element.style.stroke = colour;
+      return element;
     }
 
     // Pointer, wheel and keys.
     listen(own) {
       const plot = own.plot;
       const x = event => this.timeAt(event.clientX - plot.getBoundingClientRect().left);
+      const height = event => event.clientY - plot.getBoundingClientRect().top;
       let from = null;
       plot.addEventListener('pointerdown', event => {
         if (event.button !== 0) return;
-        from = { x: event.clientX, time: x(event), view: this.view.slice(), move: event.shiftKey };
+        const band = own.band && own.band.slice();
+        from = { x: event.clientX, y: height(event), time: x(event), view: this.view.slice(), move: event.shiftKey, band };
         plot.setPointerCapture(event.pointerId);
       });
       plot.addEventListener('pointermove', event => {
         if (from === null) return this.point(x(event));
         if (from.move) {
-          const width = this.width - LEFT - RIGHT;
-          const by = (from.x - event.clientX) / width;
+          const by = (from.x - event.clientX) / (this.right() - LEFT);
           const [a, b] = from.view.map(t => this.part(t));
+          if (from.band) {
+            const [low, high] = from.band;
+            const up = (height(event) - from.y) / (own.bottom - TOP) * (high - low);
+            own.band = [low + up, high + up];
+          }
           this.zoom([this.unpart(a + by * (b - a)), this.unpart(b + by * (b - a))]);
         } else {
-          this.mark = [from.time, x(event)];
+          const far = Math.abs(event.clientX - from.x) > 4, high = Math.abs(height(event) - from.y) > BAND;
+          this.mark = { own, times: far || !high ? [from.time, x(event)] : null, heights: high ? [from.y, height(event)] : null };
           this.point(x(event));
           this.draw();
         }
@@ -205,18 +218,25 @@ const mocc = (() => {
       const end = event => {
         if (from === null) return;
         const mark = this.mark;
-        const far = Math.abs(event.clientX - from.x) > 4;
+        const far = Math.abs(event.clientX - from.x) > 4 || mark?.heights;
         [from, this.mark] = [null, null];
-        if (mark && far && event.type === 'pointerup') this.zoom([Math.min(...mark), Math.max(...mark)]);
-        else this.draw();
+        if (!mark || !far || event.type !== 'pointerup') return this.draw();
+        if (mark.heights) own.band = mark.heights.map(h => own.unplace(h)).sort((p, q) => p - q);
+        const times = mark.times ?? this.view;
+        this.zoom([Math.min(...times), Math.max(...times)]);
       };
       plot.addEventListener('pointerup', end);
       plot.addEventListener('pointercancel', end);
-      plot.addEventListener('dblclick', () => this.zoom(this.whole));
+      plot.addEventListener('dblclick', () => this.showAll());
       plot.addEventListener('wheel', event => {
         event.preventDefault();
-        const middle = this.part(x(event));
         const factor = Math.exp(event.deltaY * (event.deltaMode ? 0.05 : 0.0015));
+        if (event.clientX - plot.getBoundingClientRect().left < LEFT) {
+          const about = own.unplace(height(event));
+          own.band = [own.shown.low, own.shown.high].map(v => about + (v - about) * factor);
+          return this.draw();
+        }
+        const middle = this.part(x(event));
         this.zoom(this.view.map(t => this.unpart(middle + (this.part(t) - middle) * factor)));
       }, { passive: false });
       plot.addEventListener('keydown', event => {
@@ -241,12 +261,21 @@ const mocc = (() => {
 
     timeAt(px) {
       const [a, b] = this.view.map(t => this.part(t));
-      return this.unpart(a + (b - a) * (px - LEFT) / (this.width - LEFT - RIGHT));
+      return this.unpart(a + (b - a) * (px - LEFT) / (this.right() - LEFT));
     }
 
     place(t) {
       const [a, b] = this.view.map(t => this.part(t));
-      return LEFT + (this.width - LEFT - RIGHT) * (this.part(t) - a) / (b - a);
+      return LEFT + (this.right() - LEFT) * (this.part(t) - a) / (b - a);
+    }
+
+    // Where the curves end: before a second axis of values, if a panel has one.
+    right() { return this.width - (this.panels.some(own => own.panel.right) ? LEFT : WIDE); }
+
+    // All times and all values.
+    showAll() {
+      this.panels.forEach(own => { own.band = null; });
+      this.zoom(this.whole);
     }
 
     // Shows a part of the time; at least some rounding errors wide, never beyond what there is.
@@ -279,7 +308,8 @@ const mocc = (() => {
       this.cursor = t;
       for (const own of this.panels) {
         own.panel.curves.forEach((c, i) => {
-          own.values[i].textContent = t === null ? '' : figures(shown(at(c, t), own.panel.scale));
+          const scale = c.right ? own.panel.right.scale : own.panel.scale;
+          own.values[i].textContent = t === null ? '' : figures(shown(at(c, t), scale));
         });
         this.drawCursor(own);
       }
@@ -288,7 +318,7 @@ const mocc = (() => {
     drawCursor(own) {
       if (!own.line) return;
       const x = this.cursor === null ? -1 : this.place(this.cursor);
-      const visible = x >= LEFT - 0.5 && x <= this.width - RIGHT + 0.5;
+      const visible = x >= LEFT - 0.5 && x <= this.right() + 0.5;
       own.line.setAttribute('visibility', visible ? 'visible' : 'hidden');
       own.line.setAttribute('x1', x);
       own.line.setAttribute('x2', x);
@@ -296,7 +326,7 @@ const mocc = (() => {
       if (own.label && visible) {
         const text = `${figures(shown(this.cursor, this.time), 6)} ${this.time.unit}`;
         own.label.textContent = text;
-        own.label.setAttribute('x', Math.min(Math.max(x, LEFT + 40), this.width - RIGHT - 40));
+        own.label.setAttribute('x', Math.min(Math.max(x, LEFT + 40), this.right() - 40));
       }
     }
 
@@ -308,61 +338,78 @@ const mocc = (() => {
 
     drawPanel(own, last) {
       const { panel, plot } = own;
-      const high = (panel.height ?? (panel.low ? 64 : 168)) + (last ? AXIS : 8);
-      const bottom = high - (last ? AXIS : 8);
+      const below = last ? AXIS : TICKS;
+      const high = (panel.height ?? (panel.low ? 64 : 168)) + below;
+      const bottom = high - below, right = this.right();
       plot.setAttribute('viewBox', `0 0 ${this.width} ${high}`);
       plot.setAttribute('height', high);
       plot.replaceChildren();
       const clip = `clip-${this.root.id}-${own.k}`;
-      svg('rect', { x: LEFT, y: TOP, width: this.width - LEFT - RIGHT, height: bottom - TOP },
-        svg('clipPath', { id: clip }, svg('defs', {}, plot)));
-      svg('rect', { x: LEFT, y: TOP, width: this.width - LEFT - RIGHT, height: bottom - TOP, fill: '#fff', stroke: '#b6c0ca' }, plot);
-      const range = this.range(own);
+      const frame = { x: LEFT, y: TOP, width: right - LEFT, height: bottom - TOP };
+      svg('rect', frame, svg('clipPath', { id: clip }, svg('defs', {}, plot)));
+      svg('rect', { ...frame, class: 'paper' }, plot);
+      const range = own.shown = own.band
+        ? { low: own.band[0], high: own.band[1], least: own.log ? this.range(own, false).least : 0 }
+        : this.range(own, false);
       const warp = v => own.log ? Math.log10(Math.max(v, range.least)) : v;
       const [low, top] = [warp(range.low), warp(range.high)];
       const y = v => bottom - (bottom - TOP) * (warp(v) - low) / (top - low);
-      own.y = y;
+      Object.assign(own, { y, bottom });
+      own.unplace = py => {
+        const v = low + (bottom - py) / (bottom - TOP) * (top - low);
+        return own.log ? 10 ** v : v;
+      };
 
-      for (const v of ticks(range.low, range.high, panel.low ? 1 : panel.height < 120 ? 4 : 5, own.log)) {
+      const wanted = panel.low ? 1 : panel.height < 120 ? 4 : 5;
+      const label = (px, py, anchor, text) => svg('text', { x: px, y: py, 'text-anchor': anchor }, plot, text);
+      for (const v of ticks(range.low, range.high, wanted, own.log)) {
         const py = y(v);
         if (py < TOP - 1 || py > bottom + 1) continue;
-        svg('path', { d: `M${LEFT} ${py}H${this.width - RIGHT}`, stroke: '#eceff2' }, plot);
-        svg('text', { x: LEFT - 7, y: py + 4, 'text-anchor': 'end' }, plot, figures(v, 6));
+        svg('path', { d: `M${LEFT} ${py}H${right}`, class: 'grid' }, plot);
+        label(LEFT - 7, py + 4, 'end', figures(v, 6));
+      }
+      let other = y;
+      if (panel.right) {
+        const second = this.range(own, true);
+        other = v => bottom - (bottom - TOP) * (v - second.low) / (second.high - second.low);
+        for (const v of ticks(second.low, second.high, wanted, false)) label(right + 7, other(v) + 4, 'start', figures(v, 6));
       }
       const [a, b] = this.view.map(t => shown(t, this.time));
       for (const t of ticks(a, b, Math.max(2, Math.floor(this.width / 110)), this.logTime)) {
         const px = this.place((t + this.time.zero) * this.time.size);
-        svg('path', { d: `M${px} ${TOP}V${bottom}`, stroke: '#eceff2' }, plot);
-        if (last) svg('text', { x: px, y: bottom + 15, 'text-anchor': 'middle' }, plot, figures(t, 6));
+        svg('path', { d: `M${px} ${TOP}V${bottom}`, class: 'grid' }, plot);
+        label(px, bottom + 15, 'middle', figures(t, 6));
       }
-      if (last) {
-        svg('text', { x: this.width - RIGHT, y: bottom + 30, 'text-anchor': 'end' }, plot, `${this.abscissa} in ${this.time.unit}`);
-      }
+      if (last) label(right, bottom + 31, 'end', `${this.abscissa} in ${this.time.unit}`);
       const inside = svg('g', { 'clip-path': `url(#${clip})` }, plot);
       for (const t of panel.marks ?? []) {
         const px = this.place(t);
-        if (px >= LEFT && px <= this.width - RIGHT) {
-          svg('path', { d: `M${px} ${TOP}V${bottom}`, stroke: '#8a939e', 'stroke-opacity': 0.4, 'stroke-dasharray': '1 3' }, inside);
-        }
+        if (px >= LEFT && px <= right) svg('path', { d: `M${px} ${TOP}V${bottom}`, class: 'event' }, inside);
       }
-      for (const c of panel.curves) this.stroke(c, this.path(c, panel, y), inside).classList.add('trace');
-      if (this.mark) {
-        const [from, to] = this.mark.map(t => this.place(t)).sort((p, q) => p - q);
-        svg('rect', { x: from, y: TOP, width: to - from, height: bottom - TOP, fill: '#0072b2', 'fill-opacity': 0.12 }, inside);
+      for (const c of panel.curves) {
+        const scale = c.right ? panel.right.scale : panel.scale;
+        this.stroke(c, this.path(c, scale, c.right ? other : y), inside).classList.add('trace');
       }
-      own.line = svg('line', { y1: TOP, y2: bottom, stroke: '#1a1a1a', 'stroke-width': 1, visibility: 'hidden', class: 'cursor' }, plot);
-      own.label = last ? svg('text', { y: bottom + 30, 'text-anchor': 'middle', 'font-weight': 600, visibility: 'hidden' }, plot) : null;
+      if (this.mark && (this.mark.times || this.mark.own === own)) {
+        const [from, to] = this.mark.times?.map(t => this.place(t)).sort((p, q) => p - q) ?? [LEFT, right];
+        const [upper, lower] = this.mark.own === own && this.mark.heights?.toSorted((p, q) => p - q) || [TOP, bottom];
+        svg('rect', { x: from, y: upper, width: to - from, height: lower - upper, class: 'mark' }, inside);
+      }
+      own.line = svg('line', { y1: TOP, y2: bottom, visibility: 'hidden', class: 'cursor' }, plot);
+      own.label = last ? svg('text', { y: bottom + 31, 'text-anchor': 'middle', 'font-weight': 600, visibility: 'hidden' }, plot) : null;
       this.drawCursor(own);
     }
 
-    // The range of what is visible, with a little room, in shown units.
-    range(own) {
+    // The range of what is visible over one of the axes, with a little room, in shown units.
+    range(own, right) {
       let [low, high, least] = [Infinity, -Infinity, Infinity];
+      const scale = right ? own.panel.right.scale : own.panel.scale;
       for (const c of own.panel.curves) {
+        if ((c.right ?? false) !== right) continue;
         const first = Math.max(0, before(c.x, this.view[0]));
         const last = Math.min(c.x.length - 1, before(c.x, this.view[1]) + 1);
         for (let i = first; i <= last; i++) {
-          const v = shown(c.factor * c.y[i], own.panel.scale);
+          const v = shown(c.factor * c.y[i], scale);
           if (!Number.isFinite(v)) continue;
           if (v > 0 && v < least) least = v;
           if (v < low) low = v;
@@ -370,7 +417,7 @@ const mocc = (() => {
         }
       }
       if (!(high >= low)) [low, high] = [0, 1];
-      if (own.log) {
+      if (own.log && !right) {
         if (!Number.isFinite(least)) least = 1;
         return { low: Math.max(low, least) / 1.2, high: Math.max(high, 2 * least) * 1.2, least: least / 1.2 };
       }
@@ -381,10 +428,10 @@ const mocc = (() => {
 
     // The path of what is visible. Of all points in one column of pixels the first, the lowest, the
     // highest and the last are enough.
-    path(c, panel, y) {
+    path(c, scale, y) {
       const first = Math.max(0, before(c.x, this.view[0]) - 1);
       const last = Math.min(c.x.length - 1, before(c.x, this.view[1]) + 1);
-      const value = i => y(shown(c.factor * c.y[i], panel.scale));
+      const value = i => y(shown(c.factor * c.y[i], scale));
       const out = [];
       const draw = (i, move) => {
         const px = this.place(c.x[i]).toFixed(1), py = value(i).toFixed(1);
@@ -429,5 +476,5 @@ const mocc = (() => {
     });
   }
 
-  return { Figure, COLOURS, decode, data, before, at, shown, figures: figuresOf, number: figures, svg, html };
+  return { Figure, COLOURS, decode, data, before, at, shown, figures: figuresOf, number: figures, ticks, svg, html };
 })();

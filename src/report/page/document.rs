@@ -122,7 +122,10 @@ pub fn html(doc: &Document<'_>) -> String {
     page.section("statistics", "Statistics", &statistics(doc));
     page.section("model", "Model", &texts(doc));
     page.data("mocc-data", &data(doc));
-    page.script(include_str!("explorer.js")).script(include_str!("spool.js"));
+    for script in [include_str!("plane.js"), include_str!("save.js"), include_str!("explorer.js")] {
+        page.script(script);
+    }
+    page.script(include_str!("spool.js"));
     page.script("mocc.report();\n");
     page.finish()
 }

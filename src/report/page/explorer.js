@@ -27,9 +27,22 @@ mocc.report = () => {
   const bar = html('div', { class: 'toolbar' }, right);
   const element = html('div', { class: 'figure', id: 'traces-figure' }, right);
   const figure = new mocc.Figure(element, data.time);
-  html('span', {}, bar, 'drag or wheel: zoom · shift + drag: move · double click: all');
+  const planes = html('div', { class: 'figure', id: 'plane-figure', hidden: '' }, right);
+  const plane = new mocc.Plane(planes);
+  html('span', { class: 'gestures' }, bar, 'drag or wheel: zoom · shift + drag: move · double click: all');
   const reset = html('button', {}, bar, 'show all');
-  reset.addEventListener('click', () => figure.zoom(figure.whole));
+  reset.addEventListener('click', () => figure.showAll());
+  const choice = (label, options, then) => {
+    const select = html('select', { 'aria-label': label, title: label }, bar);
+    options.forEach(([value, text]) => html('option', { value }, select, text));
+    select.addEventListener('change', then);
+    return select;
+  };
+  const layout = choice('charts', [
+    ...several ? [['each', 'a chart each'], ['unit', 'a chart for each unit']] : [['unit', 'a chart for each unit'], ['each', 'a chart each']],
+    ['pairs', 'two units in a chart'],
+  ], () => panels());
+  const over = choice('over', [], () => panels());
   const log = html('button', { 'aria-pressed': 'false' }, bar, 'log time');
   log.addEventListener('click', () => {
     figure.setLogTime(!figure.logTime);
@@ -48,17 +61,81 @@ mocc.report = () => {
     return `hsl(${260 - 230 * r / (n - 1)} 75% ${30 + 12 * r / (n - 1)}%)`;
   }
 
-  // One panel for each unit; of several runs one for each variable.
-  function panels() {
+  // What the charts stand over: the time, or one of the variables that are chosen.
+  function offerAxes() {
+    const now = over.value;
+    over.replaceChildren();
+    html('option', { value: '' }, over, 'over time');
+    chosen.forEach(k => html('option', { value: k }, over, `over ${data.variables[k].name}`));
+    over.value = chosen.includes(Number(now)) && now !== '' ? now : '';
+  }
+
+  // The groups of variables that share a chart.
+  function grouped() {
     const groups = new Map();
     for (const k of chosen) {
       const v = data.variables[k];
-      const key = several ? `${k}` : `${v.unit}|${v.low}|${v.whole}`;
+      const key = layout.value === 'each' ? `${k}` : `${v.unit}|${v.low}|${v.whole}`;
       if (!groups.has(key)) groups.set(key, []);
       groups.get(key).push(k);
     }
+    return [...groups.values()];
+  }
+
+  const DASHES = ['', '7 3', '2 3', '9 3 2 3'];
+  // Of one run each variable has its colour; of several each run, and the variables of a chart differ by their dashes.
+  const looks = (i, r, count) => several
+    ? { colour: colourOf(r), dash: count > 1 ? DASHES[i % DASHES.length] : '' }
+    : { colour: mocc.COLOURS[i % mocc.COLOURS.length] };
+
+  // The variables over another one.
+  function overVariable(abscissa) {
+    const a = data.variables[abscissa];
+    const rows = (run, k, time) => {
+      const c = curve(run, k);
+      return Float64Array.from(time, (t, row) => c.y.length === time.length ? c.factor * c.y[row] : mocc.at(c, t));
+    };
+    const shown = grouped().map(group => group.filter(k => k !== abscissa)).filter(group => group.length > 0).map(group => {
+      const largest = group.reduce((x, k) => data.variables[k].largest > data.variables[x].largest ? k : x, group[0]);
+      const { scale, quantity } = data.variables[largest];
+      const curves = group.flatMap((k, i) => data.runs.map((run, r) => {
+        const time = timesOf(run);
+        const name = [group.length > 1 || !several ? data.variables[k].name : '', several ? run.label : ''].filter(Boolean).join(' ');
+        return { name, time, x: rows(run, abscissa, time), y: rows(run, k, time), ...looks(i, r, group.length) };
+      }));
+      return { label: group.length > 1 ? quantity : data.variables[group[0]].name, scale, curves };
+    });
+    plane.show({ name: a.name, scale: a.scale }, shown);
+  }
+
+  // The instants of a run: those of its longest column.
+  function timesOf(run) {
+    const columns = run.columns.filter(Array.isArray).map(c => array(c[0]));
+    return columns.reduce((a, b) => b.length > a.length ? b : a, Float64Array.from(run.ends));
+  }
+
+  // Two groups in a chart, the second with the axis on the right.
+  function paired(shown) {
+    const out = [];
+    const free = shown.filter(p => !p.low);
+    for (let k = 0; k + 1 < free.length; k += 2) {
+      const [a, b] = [free[k], free[k + 1]];
+      const offset = several ? 0 : a.curves.length;
+      const second = b.curves.map(c => ({ ...c, right: true, ...several ? { dash: '7 3' } : {} }));
+      if (!several) second.forEach((c, i) => { if (!c.points) c.colour = mocc.COLOURS[(offset + i) % mocc.COLOURS.length]; });
+      out.push({ ...a, right: { label: b.label, scale: b.scale }, curves: [...a.curves, ...second] });
+    }
+    if (free.length % 2) out.push(free[free.length - 1]);
+    return [...out, ...shown.filter(p => p.low)];
+  }
+
+  function panels() {
+    offerAxes();
+    planes.hidden = over.value === '';
+    element.hidden = !planes.hidden;
+    if (!planes.hidden) overVariable(Number(over.value));
     const shown = [];
-    for (const group of groups.values()) {
+    for (const group of grouped()) {
       const largest = group.reduce((a, k) => data.variables[k].largest > data.variables[a].largest ? k : a, group[0]);
       const { scale, quantity, low } = data.variables[largest];
       const only = group.length === 1 ? data.variables[group[0]] : null;
@@ -73,9 +150,9 @@ mocc.report = () => {
           });
         }
         data.runs.forEach((run, r) => curves.push({
-          name: several ? run.label : v.name,
+          name: several ? `${group.length > 1 || layout.value === 'pairs' ? v.name + ' ' : ''}${run.label}` : v.name,
           title: `${v.name}${v.text ? ': ' + v.text : ''}`,
-          colour: several ? colourOf(r) : mocc.COLOURS[i % mocc.COLOURS.length],
+          ...looks(i, r, group.length),
           remove: several ? null : remove,
           ...curve(run, k),
         }));
@@ -84,9 +161,33 @@ mocc.report = () => {
       const wanted = marks.getAttribute('aria-pressed') === 'true' ? data.runs.flatMap(r => r.events) : [];
       shown.push({ label, scale, low, curves, marks: wanted });
     }
-    figure.show(shown);
+    figure.show(layout.value === 'pairs' ? paired(shown) : shown);
     figure.setCursor(figure.cursor);
   }
+  figure.heard.push(t => plane.setCursor(t));
+
+  // ---- The view as a file ----
+
+  const visible = () => planes.hidden ? element : planes;
+  const name = document.querySelector('h1').textContent.replace(/[^\w.-]+/g, '_');
+  const picture = () => mocc.save.picture(visible());
+  html('button', { title: 'save this view as a picture' }, bar, 'SVG')
+    .addEventListener('click', () => mocc.save.offer(`${name}.svg`, 'image/svg+xml', picture()));
+  const table = () => {
+    const all = [...new Set([...over.value === '' ? [] : [Number(over.value)], ...chosen])];
+    const runs = data.runs.map(run => {
+      const time = timesOf(run);
+      const columns = all.map(k => {
+        const c = curve(run, k);
+        const at = row => c.y.length === time.length ? c.factor * c.y[row] : mocc.at(c, time[row]);
+        return { name: data.variables[k].name, unit: data.variables[k].unit, at };
+      });
+      return { label: run.label, time, columns };
+    });
+    return mocc.save.table(runs, planes.hidden ? figure.view : figure.whole);
+  };
+  html('button', { title: 'save the rows of this view as a table' }, bar, 'CSV')
+    .addEventListener('click', () => mocc.save.offer(`${name}.csv`, 'text/csv', table()));
 
   // ---- The tree of variables ----
 
@@ -158,10 +259,10 @@ mocc.report = () => {
   const spool = mocc.data('mocc-spool');
   let machine = null;
   if (spool) {
-    machine = mocc.machine(document.getElementById('spool-figure'), spool, data, value, all, t => figure.setCursor(t));
+    machine = mocc.machine(document.getElementById('spool-figure'), spool, data, value, all, t => { figure.setCursor(t); plane.setCursor(t); });
     figure.heard.push(t => machine.go(t));
   }
-  const go = t => { figure.setCursor(t); machine?.go(t); };
+  const go = t => { figure.setCursor(t); plane.setCursor(t); machine?.go(t); };
 
   // ---- Diagram ----
 
@@ -212,5 +313,5 @@ mocc.report = () => {
   }));
 
   // What tests look at.
-  window.__mocc = { data, figure, machine, chosen, value, byName, array, open, go, update };
+  window.__mocc = { data, figure, plane, machine, chosen, value, byName, array, open, go, update, layout, over, picture, table };
 };

@@ -1,0 +1,59 @@
+//! Arguments of the commands at an operating point: `steady`, `linearize`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::model::Model;
+use super::values::at;
+
+/// A model with constant inputs.
+#[derive(Args, Debug)]
+pub struct Point {
+    /// The model.
+    #[command(flatten)]
+    pub model: Model,
+    /// Hold an input at a value, SI; repeatable [default: its start value].
+    #[arg(long = "input", value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    pub inputs: Vec<String>,
+    /// Relative tolerance of the simulation up to the point [default: annotation, else 1e-6].
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    pub tolerance: Option<f64>,
+    /// Write the result as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// A steady state.
+#[derive(Args, Debug)]
+pub struct Steady {
+    /// The model and its inputs.
+    #[command(flatten)]
+    pub point: Point,
+    /// Solve the equations from the initial values instead of simulating; also finds unstable states.
+    #[arg(long)]
+    pub solve: bool,
+}
+
+/// A linear system.
+#[derive(Args, Debug)]
+pub struct Linearize {
+    /// The model and its inputs.
+    #[command(flatten)]
+    pub point: Point,
+    /// Instant of a run, s, or `steady`.
+    #[arg(long, value_name = "T|steady", default_value = "0", allow_negative_numbers = true, value_parser = at)]
+    pub at: At,
+    /// A variable that is an output; repeatable [default: the outputs of the model].
+    #[arg(long = "output", value_name = "NAME")]
+    pub outputs: Vec<String>,
+}
+
+/// Where a model is linearized.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum At {
+    /// At an instant of a run, s.
+    Time(f64),
+    /// Where it comes to rest.
+    Steady,
+}
