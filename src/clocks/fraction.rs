@@ -125,6 +125,11 @@ mod tests {
         assert_eq!(Fraction::of_float(0.1), Some(Fraction::new(1, 10)));
         assert_eq!(Fraction::of_float(0.02), Some(Fraction::new(1, 50)));
         assert_eq!(Fraction::of_float(1.0 / 3.0), Some(Fraction::new(1, 3)));
-        assert_eq!(Fraction::of_float(std::f64::consts::PI), None);
+        // The nearest double of pi is a fraction of nine digits, to the last bit.
+        assert_eq!(
+            Fraction::of_float(std::f64::consts::PI),
+            Some(Fraction::new(245_850_922, 78_256_779))
+        );
+        assert_eq!(Fraction::of_float(1e-12 * std::f64::consts::PI), None);
     }
 }
