@@ -165,7 +165,10 @@ impl Model {
                 _ if !is_known || v.kind == VariableKind::InitialParameter => py.None(),
                 Type::Real => number.into_pyobject(py)?.into_any().unbind(),
                 Type::Integer => (number as i64).into_pyobject(py)?.into_any().unbind(),
-                Type::Boolean => (number != 0.0).into_pyobject(py)?.to_owned().into_any().unbind(),
+                // A program has no clocks: their partitions have become conditions.
+                Type::Boolean | Type::Clock => {
+                    (number != 0.0).into_pyobject(py)?.to_owned().into_any().unbind()
+                }
                 Type::String => {
                     string_of_id(number as u32).as_str().into_pyobject(py)?.into_any().unbind()
                 }
