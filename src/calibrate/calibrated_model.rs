@@ -4,6 +4,7 @@
 use crate::ir::program::Program;
 use crate::runtime::machine::Machine;
 
+use super::extended_source::{ExtendedSource, file_name};
 use super::modification::{Tree, parts, without_subscripts};
 use super::plan::Plan;
 use super::result::{Calibration, Estimate};
@@ -33,12 +34,6 @@ pub fn command(plan: &Plan, found: &Calibration) -> String {
 
 /// The source; `original` is that of the model's file.
 pub fn text(original: &str, program: &Program, plan: &Plan, found: &Calibration) -> String {
-    let full = &found.model;
-    let base = full.rsplit('.').next().unwrap_or(full);
-    let name = match base.strip_prefix('\'').and_then(|b| b.strip_suffix('\'')) {
-        Some(quoted) => format!("'{quoted}_calibrated'"),
-        None => format!("{base}_calibrated"),
-    };
     let mut root = Tree::default();
     let mut inexpressible = Vec::new();
     for setting in &plan.fixed {
@@ -67,26 +62,20 @@ pub fn text(original: &str, program: &Program, plan: &Plan, found: &Calibration)
             None => inexpressible.push(format!("{target} = {:?}", estimate.value)),
         }
     }
-    let mut out = original.trim_end().to_owned();
-    out.push_str("\n\n");
-    out.push_str(&format!("// Calibrated by `mocc calibrate {}`:\n", file_name(&found.plan)));
     let state = if found.fit.complete { "" } else { "; the fit was interrupted" };
-    out.push_str(&format!("// reduced chi-square {:.4}{state}.\n", found.reduced_train()));
-    for line in &inexpressible {
-        out.push_str(&format!("// Not expressible as a modification; use `--set`: {line}\n"));
+    ExtendedSource {
+        original,
+        origin: vec![
+            format!("Calibrated by `mocc calibrate {}`:", file_name(&found.plan)),
+            format!("reduced chi-square {:.4}{state}.", found.reduced_train()),
+        ],
+        model: &found.model,
+        done: "calibrated",
+        values: root,
+        inexpressible,
+        experiment: program.blocks.dae.experiment,
     }
-    out.push_str(&format!("model {name} \"{base}, calibrated\"\n  extends {full}"));
-    if !root.is_empty() {
-        out.push_str("(\n");
-        root.print(4, &mut out);
-        out.push_str("  )");
-    }
-    out.push_str(";\n");
-    if let Some(experiment) = experiment(program) {
-        out.push_str(&format!("  annotation(experiment({experiment}));\n"));
-    }
-    out.push_str(&format!("end {name};\n"));
-    out
+    .text()
 }
 
 /// Every target with its estimate.
@@ -141,21 +130,4 @@ fn elements(
     let dense = found.iter().enumerate().all(|(i, f)| f.0 == i + 1);
     let values: Vec<String> = found.iter().map(|f| format!("{:?}", f.1)).collect();
     dense.then(|| format!("{{{}}}", values.join(", ")))
-}
-
-fn experiment(program: &Program) -> Option<String> {
-    let e = program.blocks.dae.experiment;
-    let all = [
-        ("StartTime", e.start),
-        ("StopTime", e.stop),
-        ("Interval", e.interval),
-        ("Tolerance", e.tolerance),
-    ];
-    let set: Vec<String> =
-        all.iter().filter_map(|(name, x)| x.map(|x| format!("{name} = {x:?}"))).collect();
-    (!set.is_empty()).then(|| set.join(", "))
-}
-
-fn file_name(path: &str) -> &str {
-    path.rsplit(['/', '\\']).next().unwrap_or(path)
 }

@@ -11,6 +11,7 @@ pub mod cause;
 pub mod data;
 pub mod elsewhere;
 pub mod evaluate;
+pub mod extended_source;
 pub mod fit;
 pub mod memory;
 pub mod modification;

@@ -13,7 +13,7 @@ use crate::calibrate::result::Calibration;
 use crate::calibrate::run::{Outcome, Request, run as calibrate};
 use crate::driver::compile::Session;
 use crate::driver::foreign::is_fmu;
-use crate::io::atomic_file::write_file;
+use crate::io::atomic_file::write_files;
 
 /// Runs the command.
 pub fn run(options: &Calibrate) -> Status {
@@ -63,13 +63,7 @@ fn write(folder: &Path, outcome: &Outcome, seconds: f64) -> Result<Vec<PathBuf>,
         ("calibration.html".to_owned(), page::html(calibration, seconds)),
         (format!("{stem}_calibrated.{extension}"), outcome.model.clone()),
     ];
-    let mut written = Vec::new();
-    for (name, text) in files {
-        let path = folder.join(name);
-        write_file(&path, text.as_bytes()).map_err(|e| e.to_string())?;
-        written.push(path);
-    }
-    Ok(written)
+    write_files(folder, files).map_err(|e| e.to_string())
 }
 
 fn summary(found: &Calibration, written: &[PathBuf], seconds: f64) -> String {

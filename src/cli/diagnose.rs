@@ -12,7 +12,7 @@ use crate::diagnose::run::{Outcome, Request, RunError, run as diagnose};
 use crate::diagnose::study::DiagnosisError;
 use crate::diagnose::{json, page, residual, summary};
 use crate::driver::compile::Session;
-use crate::io::atomic_file::write_file;
+use crate::io::atomic_file::write_files;
 use crate::io::csv::write_csv;
 
 /// Runs the command.
@@ -74,12 +74,7 @@ fn write(
     let mut files = vec![("diagnosis.json".to_owned(), json::json(outcome, name, seconds))];
     files.extend(amended.clone());
     files.push(("diagnosis.html".to_owned(), page::html(outcome)));
-    let mut written = Vec::new();
-    for (name, text) in files {
-        let path = folder.join(name);
-        write_file(&path, text.as_bytes()).map_err(|e| e.to_string())?;
-        written.push(path);
-    }
+    let mut written = write_files(folder, files).map_err(|e| e.to_string())?;
     if options.tables && outcome.complete {
         let tables = residual::tables(&outcome.study, &outcome.diagnosis);
         for (k, table) in tables.iter().enumerate() {

@@ -8,7 +8,7 @@ use super::progress::Working;
 use super::{Status, interrupt, modelica_path, print, running, say};
 use crate::calibrate::parallel::cores;
 use crate::driver::compile::Session;
-use crate::io::atomic_file::{create_folder, write_file};
+use crate::io::atomic_file::{create_folder, write_files};
 use crate::optimize::page;
 use crate::optimize::result::Optimum;
 use crate::optimize::run::{OptimizeError, Request, run as optimize};
@@ -79,11 +79,5 @@ fn write(folder: &Path, found: &Optimum, seconds: f64) -> Result<Vec<PathBuf>, S
         ("design.html".to_owned(), page::html(found, seconds)),
         (format!("{name}_optimized.mol"), found.amended.clone()),
     ];
-    let mut written = Vec::new();
-    for (name, text) in files {
-        let path = folder.join(name);
-        write_file(&path, text.as_bytes()).map_err(|e| e.to_string())?;
-        written.push(path);
-    }
-    Ok(written)
+    write_files(folder, files).map_err(|e| e.to_string())
 }

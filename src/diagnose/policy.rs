@@ -81,8 +81,8 @@ pub struct SearchPolicy {
     /// Share of what an effect that explains nearly everything leaves which a second effect must explain. Default 0.7. Less
     /// is more often a fault of the first law's form than a second phenomenon.
     pub second_share: f64,
-    /// Share of the excess, as explained by one effect, above which pairs without it are not searched for, if no second
-    /// effect was found and less than `many_effects_above` is left. Default 0.99.
+    /// Share of the excess which a single effect must explain, of the fitted recordings and of the others, so that pairs
+    /// without it are not searched for; less than `many_effects_above` must be left as well. Default 0.99.
     pub dominant_share: f64,
     /// Steps of all fits after which no further fit begins. Default 1000; with short recordings, more by the
     /// square of `proposals_if_short`.

@@ -127,12 +127,9 @@ impl<'a> Search<'a> {
         if after.effects.is_empty() || !is_further || !self.leads(&diagnosis.before, after) {
             return true;
         }
-        let left = 1.0 - self.policy().second_share;
-        let explains = |of: fn(&Hypothesis) -> f64| {
-            let limit = self.policy().train_limit(after.train.count());
-            of(extended) - 1.0 < (left * (of(after) - 1.0)).max(limit - 1.0)
-        };
-        explains(Hypothesis::chi2_train)
+        let left = (1.0 - self.policy().second_share) * (after.chi2_train() - 1.0);
+        let limit = self.policy().train_limit(after.train.count());
+        extended.chi2_train() < limit.max(1.0 + left)
     }
 
     /// Tells the observer the best result so far.

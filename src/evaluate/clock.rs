@@ -26,15 +26,13 @@ impl Evaluator<'_> {
         scope: Scope,
     ) -> Option<Option<Value>> {
         use ClockOperator::*;
-        if let Some(op) = ["subSample", "superSample", "shiftSample", "backSample", "noClock"]
-            .iter()
-            .position(|n| name == *n)
-        {
-            let op = [SubSample, SuperSample, ShiftSample, BackSample, NoClock][op];
-            return Some(self.conversion(op, args, named, span, scope));
-        }
         Some(match name.as_str() {
             "Clock" => self.clock_constructor(args, named, span, scope),
+            "subSample" => self.conversion(SubSample, args, named, span, scope),
+            "superSample" => self.conversion(SuperSample, args, named, span, scope),
+            "shiftSample" => self.conversion(ShiftSample, args, named, span, scope),
+            "backSample" => self.conversion(BackSample, args, named, span, scope),
+            "noClock" => self.conversion(NoClock, args, named, span, scope),
             "previous" => self.of_component(Previous, args, span, scope),
             "hold" => self.of_component(Hold, args, span, scope),
             "firstTick" => self.of_clock(FirstTick, Type::Boolean, args, span, scope),

@@ -120,6 +120,18 @@ pub fn write_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), WriteError
     file.finish()
 }
 
+/// Writes texts to files of a folder, each atomically; returns their paths.
+pub fn write_files(
+    folder: &Path,
+    files: impl IntoIterator<Item = (String, String)>,
+) -> Result<Vec<PathBuf>, WriteError> {
+    let one = |(name, text): (String, String)| {
+        let path = folder.join(name);
+        write_file(&path, text.as_bytes()).map(|()| path)
+    };
+    files.into_iter().map(one).collect()
+}
+
 /// A path for a file that only this process needs; the extension decides its format.
 pub fn scratch_path(extension: &str) -> PathBuf {
     static COUNT: AtomicU32 = AtomicU32::new(0);

@@ -8,11 +8,11 @@ use super::system::HybridSystem;
 use super::time_features::TimeFeatures;
 
 /// Maximum step, in sampling intervals of the recordings that drive the model.
-const MAX_STEP_INTERVALS: f64 = 4.0;
+pub(super) const MAX_STEP_INTERVALS: f64 = 4.0;
 /// Tolerances are not sharpened beyond this.
 const MIN_RTOL: f64 = 1e-12;
 /// Minimum number of steps of a run.
-const MIN_STEPS: f64 = 50.0;
+pub(super) const MIN_STEPS: f64 = 50.0;
 
 /// Options of the integrator for a model at its start.
 pub fn options(system: &HybridSystem<'_>, settings: &Settings, features: &TimeFeatures) -> Options {

@@ -172,6 +172,40 @@ fn a_fan_is_found_on_a_motor_with_connectors_of_its_own() {
     }
 }
 
+/// `tau = k w |w|^0.6`: the fan of the library explains nearly all of it. The law over the same variable is found in its
+/// place, not a second effect that makes up for its form. The damping of the bearing is known: one that varied with the
+/// speed would be the same law.
+#[test]
+fn a_law_that_is_nearly_right_gives_way_to_a_formula() {
+    let study = Study {
+        model: "fan",
+        truth: "stirrer_truth",
+        conditions: &[("U", &[6.0, 12.0, 18.0, 9.0])],
+        signals: &[("rotor.w", "rad/s", 0.1), ("armature.i", "A", 0.005)],
+        free: &["rotor.J", "armature.k"],
+        inputs: &[],
+    };
+    let (found, scratch) = study.diagnose();
+    let (class, exponent) = ("Effects.FreeTorqueOverSpeed", ("exponent", 1.6, 0.1));
+    assert_found(&found, &scratch, class, "rotor", &[exponent]);
+}
+
+/// Dry friction that is smoothed is one effect with its own name.
+#[test]
+fn smoothed_dry_friction_is_found() {
+    let study = Study {
+        model: "fan",
+        truth: "smooth_brake_truth",
+        conditions: &[("U", &[6.0, 12.0, 18.0, 9.0])],
+        signals: &[("rotor.w", "rad/s", 0.1), ("armature.i", "A", 0.005)],
+        free: &["rotor.J", "armature.k", "bearing.d"],
+        inputs: &[],
+    };
+    let (found, scratch) = study.diagnose();
+    let values = [("M", 0.04, 1e-3), ("w_0", 5.0, 0.5)];
+    assert_found(&found, &scratch, "Effects.SmoothBearingFriction", "rotor", &values);
+}
+
 /// Connectors with other names, whose units tell what they are.
 #[test]
 fn a_diode_is_found_in_a_circuit_with_connectors_of_its_own() {

@@ -13,6 +13,7 @@ use crate::ir::trajectory::Event;
 use crate::simulate::cause::RunCause;
 use crate::simulate::failure::{Failure, of_integration};
 use crate::simulate::method::Integrator;
+use crate::simulate::options::{MAX_STEP_INTERVALS, MIN_STEPS};
 use crate::simulate::record::Sink;
 use crate::simulate::run::Statistics;
 use crate::simulate::settings::{Method, Settings};
@@ -20,10 +21,6 @@ use crate::simulate::settings::{Method, Settings};
 use super::failure;
 use super::rows::Rows;
 
-/// Minimum number of steps of a run, as for models.
-const MIN_STEPS: f64 = 50.0;
-/// Maximum step, in sampling intervals of the recordings that drive the model, as for models.
-const MAX_STEP_INTERVALS: f64 = 4.0;
 /// Width of the bracket of an event, relative to the run: a few spacings of doubles at its end.
 const EVENT_TOLERANCE: f64 = 1e-14;
 /// Most bisections of an event.
@@ -46,6 +43,8 @@ struct Exchanged<'a, 'p> {
     /// The indicators of the last evaluation.
     indicators: Vec<f64>,
     scratch: Vec<f64>,
+    /// Derivatives that nobody reads.
+    slopes: Vec<f64>,
     /// The last fault.
     fault: Option<ForeignFault>,
 }
@@ -157,6 +156,7 @@ pub(super) fn run(
         inputs: Vec::new(),
         indicators: vec![0.0; interface.indicators],
         scratch: vec![0.0; n],
+        slopes: vec![0.0; n],
         fault: None,
     };
     let counted = match interface.states {
@@ -269,18 +269,19 @@ impl Exchange<'_, '_, '_> {
         }
     }
 
-    /// The signs of the indicators at an instant of the last step.
-    fn signs_at(&mut self, t: f64) -> Result<Vec<bool>, Failure> {
+    /// Whether the sign of an indicator has changed at an instant of the last step, and the first of which it has.
+    fn changed_at(&mut self, t: f64) -> Result<Option<usize>, Failure> {
         if self.system.indicators.is_empty() {
-            return Ok(Vec::new());
+            return Ok(None);
         }
         let mut y = std::mem::take(&mut self.system.scratch);
+        let mut f = std::mem::take(&mut self.system.slopes);
         self.stepper.interpolate(t, &mut y);
-        let mut f = vec![0.0; y.len()];
         let outcome = self.system.evaluate(t, &y, &mut f);
-        self.system.scratch = y;
+        (self.system.scratch, self.system.slopes) = (y, f);
         outcome.map_err(|fault| failure(fault, t))?;
-        Ok(self.system.indicators.iter().map(|z| *z > 0.0).collect())
+        let mut signs = self.system.indicators.iter().map(|z| *z > 0.0).zip(&self.positive);
+        Ok(signs.position(|(now, before)| now != *before))
     }
 
     /// The first instant of the last step, up to a tolerance, at which a sign has changed, and which.
@@ -290,24 +291,25 @@ impl Exchange<'_, '_, '_> {
         let mut high = None;
         for part in PROBES.into_iter().chain([1.0]) {
             let t = if part == 1.0 { end } else { begin + part * (end - begin) };
-            if self.signs_at(t)? != self.positive {
-                high = Some(t);
+            if let Some(changed) = self.changed_at(t)? {
+                high = Some((t, changed));
                 break;
             }
             low = t;
         }
-        let Some(mut high) = high else { return Ok(None) };
+        let Some((mut high, mut changed)) = high else { return Ok(None) };
         let tolerance = EVENT_TOLERANCE * (self.stop - self.start).max(self.stop.abs());
         for _ in 0..MOST_BISECTIONS {
             let middle = low + 0.5 * (high - low);
             if high - low <= tolerance || middle <= low || middle >= high {
                 break;
             }
-            if self.signs_at(middle)? == self.positive { low = middle } else { high = middle }
+            match self.changed_at(middle)? {
+                None => low = middle,
+                Some(earlier) => (high, changed) = (middle, earlier),
+            }
         }
-        let signs = self.signs_at(high)?;
-        let changed = signs.iter().zip(&self.positive).position(|(a, b)| a != b);
-        Ok(Some((high, changed.unwrap_or(0))))
+        Ok(Some((high, changed)))
     }
 
     /// One step of the integrator, and what is due at its end.

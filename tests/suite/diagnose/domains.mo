@@ -61,6 +61,37 @@ equation
   connect(blades.shaft, rotor.shaft);
 end Truth;
 
+//@ case stirrer_truth
+//@ used by diagnose_domains.rs
+model Stirrer "A law between those of a bearing and a fan"
+  Shaft shaft;
+  Real w = der(shaft.phi);
+equation
+  shaft.tau = 1.5e-4*w*abs(w)^0.6;
+end Stirrer;
+
+model Truth
+  extends Motor;
+  Stirrer stirrer;
+equation
+  connect(stirrer.shaft, rotor.shaft);
+end Truth;
+
+//@ case smooth_brake_truth
+//@ used by diagnose_domains.rs
+model Brake "Dry friction as models smooth it"
+  Shaft shaft;
+equation
+  shaft.tau = 0.04*tanh(der(shaft.phi)/5);
+end Brake;
+
+model Truth
+  extends Motor;
+  Brake brake;
+equation
+  connect(brake.shaft, rotor.shaft);
+end Truth;
+
 //@ case rectifier
 //@ used by diagnose_domains.rs
 connector Pole
