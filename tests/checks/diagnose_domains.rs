@@ -172,11 +172,10 @@ fn a_fan_is_found_on_a_motor_with_connectors_of_its_own() {
     }
 }
 
-/// `tau = k w |w|^0.6`: the fan of the library explains nearly all of it. The law over the same variable is found in its
-/// place, not a second effect that makes up for its form. The damping of the bearing is known: one that varied with the
-/// speed would be the same law.
+/// `tau = k w |w|^0.6`: a law between those of a bearing and a fan becomes a formula with that power. The damping of the
+/// bearing is known: one that varied with the speed would be the same law.
 #[test]
-fn a_law_that_is_nearly_right_gives_way_to_a_formula() {
+fn a_law_between_two_of_the_library_becomes_a_formula() {
     let study = Study {
         model: "fan",
         truth: "stirrer_truth",
