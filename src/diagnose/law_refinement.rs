@@ -13,7 +13,8 @@ use super::search::Search;
 const CURVES: usize = 2;
 
 /// If a single named law explains nearly everything, but not all: formulas over the variables of the free curves at the same
-/// place take its place where the recordings support one.
+/// place. One that leaves nothing to explain replaces the law; one that leaves something would only bend towards what a
+/// second effect does.
 pub fn refine_law(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     let (study, current) = (search.study, diagnosis.after.clone());
     let [chosen] = current.effects.as_slice() else { return };
@@ -41,7 +42,9 @@ pub fn refine_law(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         .into_iter()
         .filter(is_promising)
         .filter_map(|curve| formula_instead(search, &curve, 0))
-        .filter(|formula| formula.total_criterion() < limit);
+        .filter(|formula| {
+            formula.total_criterion() < limit && formula.is_resolved(search.policy())
+        });
     let best = formulas.min_by(|a, b| a.total_criterion().total_cmp(&b.total_criterion()));
     if let Some(best) = best {
         search.note("another law of the same variable explains more");
