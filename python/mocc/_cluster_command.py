@@ -29,7 +29,7 @@ def sweep(arguments: list[str]) -> int:
         text = None  # The compiler says why.
     try:
         check_travels(file, text)
-        files = packed(folders)
+        files = [*packed(folders), *beside(file)]
         native = _mocc.Sweep.command(arguments, text, files)
         if native.keeps_trajectories():
             return _refuse("trajectories need a folder that all workers share; use `--shard` in place of `--cluster`")
