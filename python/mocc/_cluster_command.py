@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 from mocc import _mocc
-from mocc._bundle import check_travels, packed
+from mocc._bundle import beside, check_travels, packed
 from mocc._cluster import Bundle, Team, lines
 from mocc._errors import Error
 from mocc._progress import Bar

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from mocc import _mocc
-from mocc._bundle import check_travels, packed
+from mocc._bundle import beside, check_travels, packed
 from mocc._cluster import Bundle, Team, lines
 from mocc._errors import RequestError
 from mocc._model import METHODS, Model, _number, _one_of, _setting

@@ -199,7 +199,7 @@ impl Reader<'_> {
         self.section(section, key).map(|table| table.entries()).unwrap_or_default()
     }
 
-    /// The keys and tables of the table of a key; none without it. Reports values that are no tables.
+    /// The keys and tables of the table of a key; none without it. Reports values other than tables.
     pub fn tables<'t>(
         &mut self,
         section: &Section<'t>,

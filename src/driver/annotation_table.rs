@@ -1,6 +1,6 @@
 //! The annotations `__mocc` of a source as tables, with the places of their values.
 //!
-//! `key(...)` is a table, `key = 1` a number, `key = {1, 2}` a list. An expression that is no literal is its source, as a
+//! `key(...)` is a table, `key = 1` a number, `key = {1, 2}` a list. An expression other than a literal is its source, as a
 //! string.
 
 use std::path::Path;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::files::OnDisk;
 use crate::resolve::library::Folder;
 
-/// The folder of a model's file, which is no package. Other files in it than those of classes stay out of sight.
+/// The folder of a model's file, which is not a package. Other files in it than those of classes stay out of sight.
 pub struct Neighbours {
     folder: OnDisk,
     /// Its entries; a folder may have many, and each name that is looked up asks for them.

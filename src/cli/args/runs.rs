@@ -127,7 +127,7 @@ pub struct Sweep {
     /// Number of threads [default: all cores].
     #[arg(long, value_name = "N")]
     pub jobs: Option<usize>,
-    /// Folder for the results, or a table as .csv or .parquet.
+    /// Folder for the results, or a table as .csv or .parquet; `-` prints it as CSV.
     #[arg(long, value_name = "PATH")]
     pub output: PathBuf,
     /// Start again and replace existing results.
