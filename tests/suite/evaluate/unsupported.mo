@@ -34,7 +34,7 @@ equation
 algorithm
   w := {0, 0, 0, 0};
   for i in 2:2:n loop
-    //@ error[MO0200] 7-20
+    //@ error[MO0200] 7-19
     w[delay(i, 0.1)] := i;
   end for;
 end Loop;

@@ -166,21 +166,6 @@ equation
   end when;
 end Balls;
 
-//@ case ball_that_hardly_bounces
-//@ run stop=2
-//@ status 3
-model Ball
-  Real h(start = 1, fixed = true);
-  Real v(start = 0, fixed = true);
-equation
-  der(h) = v;
-  der(v) = -9.81;
-  //@ error[MO0932] 3-
-  when h <= 0 then
-    reinit(v, -0.001*pre(v));
-  end when;
-end Ball;
-
 //@ case ball_that_the_floor_does_not_hold
 // Without a bounce the equations say that it falls on.
 //@ run stop=1
