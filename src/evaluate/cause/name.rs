@@ -72,9 +72,6 @@ fn remedy_of_foreign_name(name: &str) -> Option<&'static str> {
         "True" | "TRUE" => "write `true`",
         "False" | "FALSE" => "write `false`",
         "pi" | "Pi" | "PI" => "write `Modelica.Constants.pi`, or declare it as a constant",
-        "sin" | "cos" | "tan" | "exp" | "log" | "sqrt" | "abs" => {
-            "the arguments of a function are in round brackets"
-        }
         _ => return None,
     })
 }
