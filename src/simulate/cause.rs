@@ -89,9 +89,9 @@ causes! {
         warning MO0931 MoreBeyondBounds { time: f64 }
             => ("at time {time} s more variables are beyond their bounds");
         /// Events accumulate, and the solution passes the threshold at which they occur.
-        error MO0932 PassedThrough { time: f64, relation: String, events: u32, interval: f64 }
-            => ("at time {time} s the solution passes the border of `{relation}`: {events} events there \
-                 followed each other ever faster, the last after {interval:e} s"),
+        error MO0932 PassedThrough { time: f64, relation: String, events: u32 }
+            => ("at time {time} s the solution passes the border of `{relation}`: of {events} events there, \
+                 the last turned it back by less than rounding errors"),
             help("give the model a state of rest that it enters when the bounces become small, with \
                   its own equations");
         /// A comparison without events makes the steps collapse.

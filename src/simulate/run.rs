@@ -444,6 +444,7 @@ impl<'p, 's> Simulation<'p, 's> {
     /// Checks and records the step that ends at `t` without an event, and advances to `t`.
     fn complete_step(&mut self, t: f64) -> Result<(), Failure> {
         self.locator.on_step(&self.system.machine);
+        self.note_turns()?;
         self.check_accumulation()?;
         self.warn_of_undetermined(t);
         // An assertion violated at the end may have been violated at an earlier row.

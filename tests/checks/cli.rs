@@ -485,3 +485,14 @@ fn a_full_disk_behind_the_messages_is_no_bug() {
     command.current_dir(scratch.path()).arg("flatten").arg(&fine).stdout(full());
     assert_eq!(command.output().expect("mocc starts").status.code(), Some(2));
 }
+
+/// A large flat model is printed by two threads; a sum is nested as deeply as it has terms.
+#[test]
+fn a_long_sum_of_a_large_model_is_printed() {
+    let scratch = Scratch::new();
+    let model = "model Large\n  Real x[25000] = fill(time, 25000);\n  Real s;\nequation\n  s = sum(x);\nend Large;\n";
+    scratch.file("large.mo", model);
+    let ended = mocc(scratch.path(), &["flatten", "large.mo"]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    assert!(ended.out.ends_with("end Large;\n"));
+}
