@@ -229,7 +229,7 @@ fn incompatibility_with(
 
 /// `enumeration(:)`: any enumeration takes its place (section 4.8.5.4).
 fn is_open_enumeration(cx: &ClassGraph<'_>, class: ClassId) -> bool {
-    matches!(cx.definition(class).map(|t| &t.body), Some(ast::ClassBody::Enumeration(None)))
+    matches!(cx.definition(class).map(|t| &t.body), Some(ClassBody::Enumeration(None)))
 }
 
 /// As [`incompatibility`], whatever the dimensions.
@@ -267,7 +267,7 @@ pub(crate) fn incompatibility_without_sizes(
 fn own_rank(entry: &Entry) -> usize {
     match &entry.kind {
         EntryKind::Class(text) => match &text.body {
-            ast::ClassBody::Short(short) => short.dims.len(),
+            ClassBody::Short(short) => short.dims.len(),
             _ => 0,
         },
         EntryKind::Component(_) => 0,
