@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use super::Evaluator;
 use super::cause::call::CallCause;
+use super::moved_table::Moved;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
@@ -37,8 +38,8 @@ const MARK: &str = "external object ";
 pub(crate) enum Object {
     /// Columns over the first one.
     Curves(Vec<Arc<Curve>>),
-    /// Columns over time.
-    TimeTables(Vec<Arc<TimeTable>>),
+    /// Columns over time, and what moves them if it is not known before simulation.
+    TimeTables(Vec<Arc<TimeTable>>, Option<Moved>),
     /// A grid.
     Surface(Arc<Surface>),
 }
@@ -295,23 +296,29 @@ impl Evaluator<'_> {
     ) -> Result<Vec<Value>, Refusal> {
         let one = |e| Ok(vec![Value::Scalar(e)]);
         match (object, what, args) {
-            (Object::TimeTables(all), "minimumTime", []) => {
+            (Object::TimeTables(all, _), "minimumTime", []) => {
                 one(self.graph.real(all.first().map_or(0.0, |c| c.range().0)))
             }
-            (Object::TimeTables(all), "maximumTime", []) => {
+            (Object::TimeTables(all, _), "maximumTime", []) => {
                 one(self.graph.real(all.first().map_or(0.0, |c| c.range().1)))
             }
-            (Object::TimeTables(all), "nextTimeEvent", [t]) => {
+            (Object::TimeTables(all, moved), "nextTimeEvent", [t]) => {
                 let table = all.first().ok_or(Refusal::Unknown)?.clone();
                 let f = self.graph.add_external(Arc::new(NextTimeEvent(table)));
-                one(self.graph.unary(Unary::External(f), *t))
+                one(match moved {
+                    None => self.graph.unary(Unary::External(f), *t),
+                    Some(moved) => moved.next_event(&mut self.graph, f, *t),
+                })
             }
-            (Object::TimeTables(all), _, [column, t, next, _, rates @ ..]) => {
+            (Object::TimeTables(all, moved), _, [column, t, next, _, rates @ ..]) => {
                 let table = self.column(all, *column)?;
                 let f = self.graph.add_external(Arc::new(TimeTableValue { table, order: 0 }));
-                let value = self.graph.binary(Binary::External(f), *t, *next);
-                let slopes =
-                    self.slopes(f, |graph, f| graph.binary(Binary::External(f), *t, *next));
+                let at = |graph: &mut Graph, f| match moved {
+                    None => graph.binary(Binary::External(f), *t, *next),
+                    Some(moved) => moved.value(graph, f, *t, *next),
+                };
+                let value = at(&mut self.graph, f);
+                let slopes = self.slopes(f, at);
                 self.rate(what, value, &slopes, rates)
             }
             (Object::Curves(all), "minimumAbscissa", []) => {
@@ -466,9 +473,10 @@ impl Evaluator<'_> {
         let table = self.table_data(file, name, table)?;
         let t = table.column(1).map_err(Refusal::Wrong)?;
         let (smoothness, extrapolation) = self.interpretation(smoothness, extrapolation)?;
+        let (moved, at_start, by_shift) = self.placed(start, shift)?;
         let placing = Placing {
-            start: self.number_of(start)?,
-            shift: self.number_of(shift)?,
+            start: at_start,
+            shift: by_shift,
             stops: match self.number_of(stops)? as u32 {
                 1 => Stops::Always,
                 2 => Stops::AtJumps,
@@ -483,7 +491,25 @@ impl Evaluator<'_> {
                 Refusal::Wrong("the first column of the table must not fall from row to row".into())
             })?));
         }
-        Ok(Object::TimeTables(all))
+        Ok(Object::TimeTables(all, moved))
+    }
+
+    /// The start and the shift of a table over time, as numbers if they are known. Initialization may
+    /// determine them: then the table stays, and what reads it moves.
+    fn placed(
+        &mut self,
+        start: &Value,
+        shift: &Value,
+    ) -> Result<(Option<Moved>, f64, f64), Refusal> {
+        let (numbers, reported) =
+            self.collect_problems(|cx| (cx.number_of(start), cx.number_of(shift)));
+        if let (Ok(start), Ok(shift)) = numbers {
+            reported.iter().for_each(|d| self.problems.push(d.clone()));
+            return Ok((None, start, shift));
+        }
+        let start = start.scalar().ok_or(Refusal::Unknown)?;
+        let shift = shift.scalar().ok_or(Refusal::Unknown)?;
+        Ok((Some(Moved { start, shift }), f64::MIN, 0.0))
     }
 
     /// `fileName, tableName, table, rows, columns, smoothness, extrapolation, ...`

@@ -357,3 +357,28 @@ end Phases;
 //@ expect s.d = 1.0139612512785126 rel 1e-12
 //@ expect s.phase = 0
 //@ expect s.p = 1
+
+//@ case fields_by_later_constants
+//@ run stop=1
+// The value of a field of the output reads a constant that is declared after it.
+package Curves
+  record Curve
+    parameter Real x[:];
+    parameter Real y[size(x, 1)];
+  end Curve;
+  function constant2
+    input Real level;
+    output Curve c(x = {0, 1, 2}, y = zeros(n));
+  protected
+    constant Integer n = 3;
+  algorithm
+    for k in 1:n loop
+      c.y[k] := level*k;
+    end for;
+  end constant2;
+  model User
+    parameter Curve c = constant2(5);
+    Real y[3] = c.y*time;
+  end User;
+end Curves;
+//@ expect y[1], y[2], y[3] = 5, 10, 15
