@@ -5,6 +5,7 @@
 //! backward pass over straight-line code (Aho, Lam, Sethi and Ullman, *Compilers*, 2nd ed. 2007,
 //! sec. 8.4.2). A cycle of a valve has three rows for each step, and a variable is often a state.
 
+use crate::base::index::Id;
 use crate::ir::expr::Unary;
 use crate::ir::program::{Instr, Op, Program, Slot, Tape};
 
@@ -39,9 +40,13 @@ pub fn tape(program: &Program) -> Option<Tape> {
 /// The slots that a row reads.
 fn wanted(program: &Program) -> Vec<bool> {
     let mut wanted = vec![false; program.image.len()];
+    let mut is_recorded = vec![false; program.blocks.dae.variables.len()];
+    for v in &program.recorded {
+        is_recorded[v.idx()] = true;
+        wanted[program.slot(*v) as usize] = true;
+    }
     let mut mark = |slot: Slot| wanted[slot as usize] = true;
-    program.recorded.iter().for_each(|v| mark(program.slot(*v)));
-    let bounds = program.bounds.iter().filter(|b| program.recorded.contains(&b.variable));
+    let bounds = program.bounds.iter().filter(|b| is_recorded[b.variable.idx()]);
     bounds.for_each(|b| [b.value, b.min, b.max, b.nominal].into_iter().for_each(&mut mark));
     program.events.asserts.iter().filter(|a| !a.at_events).for_each(|a| mark(a.condition));
     wanted
