@@ -40,6 +40,25 @@ def packed(folders: Iterable[str | PathLike[str]]) -> Folders:
     return out
 
 
+def beside(file: str | None) -> Folders:
+    """The classes in the folder of a model's file, as the compiler finds them: files and packages next to it.
+
+    Errors: they are too large to travel.
+    """
+    folder = os.path.dirname(file) or "." if file is not None else ""
+    if not os.path.isdir(folder) or os.path.exists(os.path.join(folder, "package.mo")):
+        return []
+    files: list[tuple[str, bytes]] = []
+    for name in sorted(os.listdir(folder)):
+        path = os.path.join(folder, name)
+        if os.path.isfile(path) and name.endswith(".mo"):
+            files.append((name, Path(path).read_bytes()))
+        elif os.path.isfile(os.path.join(path, "package.mo")):
+            for _, inside in packed([path]):
+                files.extend((f"{name}/{inner}", content) for inner, content in inside)
+    return [(folder, files)]
+
+
 def check_travels(file: str | None, text: str | None) -> None:
     """Errors: the file is a part of a package, so that it is not a model without the files around it."""
     if file is None or text is None:

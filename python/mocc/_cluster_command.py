@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 from mocc import _mocc
-from mocc._bundle import check_travels, packed
+from mocc._bundle import beside, check_travels, packed
 from mocc._cluster import Bundle, Team, lines
 from mocc._errors import Error
 from mocc._progress import Bar
@@ -29,7 +29,7 @@ def sweep(arguments: list[str]) -> int:
         text = None  # The compiler says why.
     try:
         check_travels(file, text)
-        files = packed(folders)
+        files = [*packed(folders), *beside(file)]
         native = _mocc.Sweep.command(arguments, text, files)
         if native.keeps_trajectories():
             return _refuse("trajectories need a folder that all workers share; use `--shard` in place of `--cluster`")

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mocc import _mocc
-from mocc._bundle import Folders, check_travels
+from mocc._bundle import Folders, beside, check_travels
 from mocc._bundle import packed as packed_folders
 from mocc._cluster import Bundle, Fits, Spreader, Task, Team
 from mocc._errors import ModelWarning, RequestError
@@ -304,7 +304,8 @@ def _travelling(study: Study, folders: list[str]) -> tuple[Study, Folders, Files
     for found in paths:
         with open(found, "rb") as file:
             files.append((found, file.read()))
-    return (path, text, model, table, recordings, folder), packed_folders([*libraries, *folders]), files
+    sent = [*packed_folders([*libraries, *folders]), *beside(model_file)]
+    return (path, text, model, table, recordings, folder), sent, files
 
 
 def _from_best_start(study: Study, starts: int, seed: int, executor: Executor | None,

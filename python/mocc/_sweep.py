@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from mocc import _mocc
-from mocc._bundle import check_travels, packed
+from mocc._bundle import beside, check_travels, packed
 from mocc._cluster import Bundle, Team, lines
 from mocc._errors import RequestError
 from mocc._model import METHODS, Model, _number, _one_of, _setting
@@ -65,7 +65,7 @@ def sweep(
     formulas = [f"{name} = {text}" for name, text in (measures or {}).items()]
     points = [(name, _points(name, values, sample)) for name, values in vary.items()]
     drawn = None if sample is None else (sample, seed)
-    files = [] if executor is None else packed(model._source[4])
+    files = [] if executor is None else [*packed(model._source[4]), *beside(model._source[0])]
     arguments = (*model._source, points, drawn, formulas, (stop, interval, tolerance, method), files)
     native = _mocc.Sweep(*arguments)
     team = None

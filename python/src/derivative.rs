@@ -4,7 +4,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use mocc::calibrate::rows::Rows;
 use mocc::codegen::recording;
-use mocc::driver::compile::{Ports, Session};
+use mocc::driver::compile::Session;
+use mocc::driver::ports::Ports;
 use mocc::ir::expr::VarId;
 use mocc::ir::program::Program;
 use mocc::runtime::jit::tiering::Execution;

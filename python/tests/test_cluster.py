@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -91,6 +92,21 @@ def test_libraries_travel_with_the_model(tmp_path):
     part = mocc.compile(folder / "Tank.mo")
     with ThreadPoolExecutor(1) as executor, pytest.raises(mocc.RequestError, match="part of a package"):
         mocc.sweep(part, {"k": [0.5, 1.0]}, executor=executor)
+
+
+def test_classes_next_to_the_model_travel(tmp_path, monkeypatch):
+    """A worker in another folder has the classes in the files next to the model."""
+    monkeypatch.chdir(tmp_path)
+    Path("Tank.mo").write_text(TANK)
+    Path("Parts").mkdir()
+    Path("Parts", "package.mo").write_text("package Parts constant Real one = 1; end Parts;\n")
+    Path("main.mo").write_text("model Main\n  extends Tank(k = 0.5*Parts.one);\nend Main;\n")
+    model = mocc.compile("main.mo")
+    here = mocc.sweep(model, {"k": [0.5, 1.0]}, MEASURES)
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    with ProcessPoolExecutor(1, initializer=os.chdir, initargs=(elsewhere,)) as executor:
+        assert mocc.sweep(model, {"k": [0.5, 1.0]}, MEASURES, executor=executor).equals(here)
 
 
 def test_a_model_that_fails_in_a_worker_has_rows_and_errors(tank):

@@ -131,7 +131,7 @@ def test_missing_values_are_skipped():
         ({"signals": {"level_mm": {"variable": "x", "unit": "inch"}}}, None, "MO1005"),
         ({"signals": {"level_mm": {"variable": "z", "unit": "mm"}}}, None, "MO1014"),
         ({"free": {"q": {}}}, None, "MO1015"),
-        ({"fre": {}}, None, "MO1003"),
+        ({"fre": {}}, None, "MO1402"),
         ({"signals": None}, None, "MO1031"),
     ],
 )

@@ -2,6 +2,7 @@
 pub mod activity;
 pub mod cause;
 pub mod diag;
+pub mod document;
 pub mod index;
 pub mod visited;
 pub mod name;

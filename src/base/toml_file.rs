@@ -1,8 +1,7 @@
-//! TOML files with the place of each value: tests of models and settings of projects.
+//! TOML files with the place of each value: plans, tests of models and settings of projects.
 //!
 //! In: a text. Out: the values of the keys that its reader asks for, and diagnostics for everything else in it.
 
-use std::ops::Range;
 use std::path::Path;
 
 use toml::Spanned;
@@ -10,41 +9,30 @@ use toml::de::{DeTable, DeValue};
 
 use super::cause::causes;
 use super::diag::{Diagnostic, Problems, did_you_mean, did_you_mean_or};
+use super::document::{Entry, Item, Section, Table, Value, ValueKind};
 use super::source::{FileId, SourceMap, Span};
 
 causes! {
     /// Causes found in any TOML file.
     pub enum TomlCause {
-        /// A file of tests or settings is not a TOML file.
+        /// A plan, or a file of tests or settings, is not a TOML file.
         error MO1400 NotToml { why: String }
             => ("not a TOML file: {why}"),
-            help("see `docs/guide/test.md` for complete test files");
-        /// A required key of a test is missing.
+            help("strings are in quotes, lists in brackets; the guide of the command shows complete files");
+        /// A required key of a plan or test is missing.
         error MO1401 MissingKey { key: String }
             => ("`{key}` is missing"), help("add `{key} = ...`");
-        /// A key of a test or of settings is unknown.
+        /// A key of a plan, of a test or of settings is unknown.
         error MO1402 UnknownKey { key: String, near: Option<String>, known: String }
             => ("unknown key `{key}`"), remedy(did_you_mean_or(near, format!("known here: {known}")));
-        /// A value of a test or of settings has the wrong type.
+        /// A value of a plan, of a test or of settings has the wrong type.
         error MO1403 WrongType { key: String, expected: &'static str }
             => ("`{key}` must be {expected}"), help("write {expected}");
     }
 }
 
-/// A value.
-#[derive(Clone, Copy)]
-pub struct Item<'t>(&'t Spanned<DeValue<'t>>);
-
-/// A table: the file itself, or a part of it.
-#[derive(Clone)]
-pub struct Section<'t> {
-    table: &'t DeTable<'t>,
-    span: Range<usize>,
-}
-
-/// Reads a file and collects the diagnostics about it.
+/// Reads a document and collects the diagnostics about it.
 pub struct Reader<'p> {
-    file: FileId,
     problems: &'p mut Problems,
 }
 
@@ -57,7 +45,6 @@ pub fn read<T>(
     by: impl FnOnce(&mut Reader<'_>, Section<'_>) -> T,
 ) -> Option<T> {
     let file = sources.add(path, text);
-    let before = problems.error_count();
     let root = match DeTable::parse(text) {
         Ok(root) => root,
         Err(why) => {
@@ -67,108 +54,72 @@ pub fn read<T>(
             return None;
         }
     };
-    let mut reader = Reader { file, problems };
     // An empty file is empty at its start.
-    let whole = Section { table: root.get_ref(), span: 0..text.len().min(1) };
-    let out = by(&mut reader, whole);
+    let whole = Span::new(file, 0, text.len().min(1));
+    read_table(&table(root.get_ref(), whole), problems, by)
+}
+
+/// Reads a table by a function that is passed it. None if there were errors, which are added to `problems`.
+pub fn read_table<T>(
+    table: &Table,
+    problems: &mut Problems,
+    by: impl FnOnce(&mut Reader<'_>, Section<'_>) -> T,
+) -> Option<T> {
+    let before = problems.error_count();
+    let out = by(&mut Reader { problems }, table.section());
     (problems.error_count() == before).then_some(out)
 }
 
-impl<'t> Section<'t> {
-    /// The value of a key.
-    pub fn get(&self, key: &str) -> Option<Item<'t>> {
-        self.table.get(key).map(Item)
-    }
-
-    /// All keys with their values, in order.
-    pub fn entries(&self) -> Vec<(String, Item<'t>)> {
-        self.table.iter().map(|(key, value)| (key.get_ref().to_string(), Item(value))).collect()
-    }
+fn table(parsed: &DeTable<'_>, span: Span) -> Table {
+    let entry = |(key, value): (&Spanned<_>, &Spanned<DeValue<'_>>)| {
+        let key_span = place(span.file, key);
+        let key: &std::borrow::Cow<'_, str> = key.get_ref();
+        Entry { key: key.to_string(), key_span, value: value_of(span.file, value) }
+    };
+    Table { entries: parsed.iter().map(entry).collect(), span }
 }
 
-impl<'t> Item<'t> {
-    /// The string.
-    pub fn text(&self) -> Option<String> {
-        match self.0.get_ref() {
-            DeValue::String(text) => Some(text.to_string()),
-            _ => None,
+fn value_of(file: FileId, parsed: &Spanned<DeValue<'_>>) -> Value {
+    let span = place(file, parsed);
+    let digits = |text: &str| ValueKind::Number(text.replace('_', ""));
+    let kind = match parsed.get_ref() {
+        DeValue::String(text) => ValueKind::Text(text.to_string()),
+        DeValue::Float(x) => digits(x.as_str()),
+        DeValue::Integer(i) => digits(i.as_str()),
+        DeValue::Boolean(flag) => ValueKind::Flag(*flag),
+        DeValue::Array(list) => {
+            ValueKind::List(list.iter().map(|value| value_of(file, value)).collect())
         }
-    }
+        DeValue::Table(parsed) => ValueKind::Table(table(parsed, span)),
+        DeValue::Datetime(_) => ValueKind::Other,
+    };
+    Value { kind, span }
+}
 
-    /// The number.
-    pub fn number(&self) -> Option<f64> {
-        match self.0.get_ref() {
-            DeValue::Float(x) => x.as_str().replace('_', "").parse().ok(),
-            DeValue::Integer(i) => i.as_str().replace('_', "").parse().ok(),
-            _ => None,
-        }
-    }
-
-    /// The Boolean.
-    pub fn flag(&self) -> Option<bool> {
-        match self.0.get_ref() {
-            DeValue::Boolean(flag) => Some(*flag),
-            _ => None,
-        }
-    }
-
-    /// A number, string or Boolean as written, strings without quotes.
-    pub fn written(&self) -> Option<String> {
-        match self.0.get_ref() {
-            DeValue::String(text) => Some(text.to_string()),
-            DeValue::Float(x) => Some(x.as_str().replace('_', "")),
-            DeValue::Integer(i) => Some(i.as_str().replace('_', "")),
-            DeValue::Boolean(flag) => Some(flag.to_string()),
-            _ => None,
-        }
-    }
-
-    /// The items of a list.
-    pub fn list(&self) -> Option<Vec<Item<'t>>> {
-        match self.0.get_ref() {
-            DeValue::Array(list) => Some(list.iter().map(Item).collect()),
-            _ => None,
-        }
-    }
-
-    /// The table.
-    pub fn section(&self) -> Option<Section<'t>> {
-        match self.0.get_ref() {
-            DeValue::Table(table) => Some(Section { table, span: self.0.span() }),
-            _ => None,
-        }
-    }
+fn place<T>(file: FileId, of: &Spanned<T>) -> Span {
+    let span = of.span();
+    Span::new(file, span.start, span.end)
 }
 
 impl Reader<'_> {
-    /// The place of a value.
-    pub fn place(&self, item: Item<'_>) -> Span {
-        self.span(&item.0.span())
-    }
-
-    /// The place of a table.
-    pub fn place_of(&self, section: &Section<'_>) -> Span {
-        self.span(&section.span)
-    }
-
-    fn span(&self, span: &Range<usize>) -> Span {
-        Span::new(self.file, span.start, span.end)
-    }
-
     /// Adds a diagnostic.
     pub fn report(&mut self, diagnostic: Diagnostic) {
         self.problems.push(diagnostic);
     }
 
+    /// Whether no error has been reported.
+    pub fn is_clean(&self) -> bool {
+        !self.problems.has_errors()
+    }
+
     /// Reports keys other than these.
     pub fn known(&mut self, section: &Section<'_>, keys: &[&str]) {
-        for key in section.table.keys() {
-            let name: &str = key.get_ref();
+        for (name, place) in section.keys() {
             if !keys.contains(&name) {
                 let near = did_you_mean(name, keys.iter().copied()).map(str::to_owned);
                 let known = keys.join(", ");
                 let cause = TomlCause::UnknownKey { key: name.to_owned(), near, known };
-                self.problems.push(Diagnostic::new(cause, self.span(&key.span())));
+                self.problems.push(Diagnostic::new(cause, place));
             }
         }
     }
@@ -176,13 +127,21 @@ impl Reader<'_> {
     /// Reports a value of the wrong type.
     pub fn wrong(&mut self, key: &str, item: Item<'_>, expected: &'static str) {
         let cause = TomlCause::WrongType { key: key.to_owned(), expected };
-        self.problems.push(Diagnostic::new(cause, self.place(item)));
+        self.problems.push(Diagnostic::new(cause, item.place()));
     }
 
     /// Reports a key that is missing.
     pub fn missing(&mut self, key: &str, section: &Section<'_>) {
         let cause = TomlCause::MissingKey { key: key.to_owned() };
-        self.problems.push(Diagnostic::new(cause, self.place_of(section)));
+        self.problems.push(Diagnostic::new(cause, section.place()));
+    }
+
+    /// The string of a key that must be there; empty if it is not.
+    pub fn required(&mut self, section: &Section<'_>, key: &str) -> String {
+        if section.get(key).is_none() {
+            self.missing(key, section);
+        }
+        self.text(section, key).unwrap_or_default()
     }
 
     /// The value of a key by a function that reads it; reports a value that it does not accept.
@@ -204,6 +163,11 @@ impl Reader<'_> {
     /// The string of a key.
     pub fn text(&mut self, section: &Section<'_>, key: &str) -> Option<String> {
         self.value(section, key, "a string in quotes", |item| item.text())
+    }
+
+    /// The number of a key.
+    pub fn number(&mut self, section: &Section<'_>, key: &str) -> Option<f64> {
+        self.value(section, key, "a number", |item| item.number())
     }
 
     /// The number of a key, positive or zero.
@@ -228,6 +192,40 @@ impl Reader<'_> {
     /// The table of a key.
     pub fn section<'t>(&mut self, section: &Section<'t>, key: &str) -> Option<Section<'t>> {
         self.value(section, key, "a table `{ ... }`", |item| item.section())
+    }
+
+    /// The keys and values of the table of a key; none without it.
+    pub fn entries<'t>(&mut self, section: &Section<'t>, key: &str) -> Vec<(String, Item<'t>)> {
+        self.section(section, key).map(|table| table.entries()).unwrap_or_default()
+    }
+
+    /// The keys and tables of the table of a key; none without it. Reports values other than tables.
+    pub fn tables<'t>(
+        &mut self,
+        section: &Section<'t>,
+        key: &str,
+        expected: &'static str,
+    ) -> Vec<(String, Section<'t>)> {
+        let mut out = Vec::new();
+        for (name, item) in self.entries(section, key) {
+            match item.section() {
+                Some(own) => out.push((name, own)),
+                None => self.wrong(&name, item, expected),
+            }
+        }
+        out
+    }
+
+    /// The settings `NAME=VALUE` in the table of a key.
+    pub fn settings(&mut self, section: &Section<'_>, key: &str) -> Vec<String> {
+        let mut out = Vec::new();
+        for (name, item) in self.entries(section, key) {
+            match item.written() {
+                Some(value) => out.push(format!("{name}={value}")),
+                None => self.wrong(&name, item, "a number, a string, `true` or `false`"),
+            }
+        }
+        out
     }
 
     /// The tables of a key that is repeated as `[[key]]`.

@@ -6,19 +6,6 @@ use crate::base::diag::did_you_mean_or;
 causes! {
     /// Causes found in a plan, alone or together with its model.
     pub enum PlanCause {
-        /// A plan is not a TOML file.
-        error MO1001 NotToml { why: String }
-            => ("not a TOML file: {why}"),
-            help("a plan is a TOML file: see `examples/valve52.toml`");
-        /// A required key is missing.
-        error MO1002 MissingKey { key: String }
-            => ("`{key}` is missing"), help("see `examples/valve52.toml` for a complete plan");
-        /// A key is unknown.
-        error MO1003 UnknownKey { key: String, near: Option<String>, known: String }
-            => ("unknown key `{key}`"), remedy(did_you_mean_or(near, format!("known here: {known}")));
-        /// A value has the wrong type.
-        error MO1004 WrongType { expected: &'static str }
-            => ("expected {expected}");
         /// A unit is unknown.
         error MO1005 UnknownUnit { unit: String, near: Option<String>, known: String }
             => ("unknown unit `{unit}`"), remedy(did_you_mean_or(near, format!("known are {known}")));

@@ -8,6 +8,7 @@ use crate::driver::compile::{CompileError, Session};
 use crate::io::json::Json;
 
 use super::data::{self, Split};
+use super::memory::Memory;
 use super::plan::Plan;
 use super::problem::{Problem, record_signals};
 use super::result::{
@@ -22,6 +23,8 @@ use super::table::{aligned, own_table, rmse_shown};
 pub struct Request {
     /// The plan file.
     pub plan: PathBuf,
+    /// What takes the place of files.
+    pub memory: Arc<Memory>,
     /// File of the model, whose last model is judged; the plan's own model if not given.
     pub model: Option<PathBuf>,
     /// Folder of the recordings; the plan's own if not given.
@@ -49,7 +52,7 @@ pub struct Evaluation {
 
 /// Compares the model with every recording. Its parameters keep the values of its file.
 pub fn run(request: &Request, session: &mut Session) -> Result<Evaluation, CalibrationError> {
-    let mut plan = read_plan(&request.plan, request.data.as_deref(), &Arc::default(), session)?;
+    let mut plan = read_plan(&request.plan, request.data.as_deref(), &request.memory, session)?;
     let data = data::read(&plan, &mut session.problems).ok_or(CompileError::Request)?;
     plan.free.clear();
     if let Some(model) = &request.model {

@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use super::args::study::Calibrate;
 use super::terminal::Terminal;
-use super::{Status, modelica_path, print};
+use super::{Status, modelica_path, plan_of, print};
+use crate::calibrate::memory::Memory;
 use crate::calibrate::page;
 use crate::calibrate::policy::FitPolicy;
 use crate::calibrate::result::Calibration;
@@ -21,9 +22,10 @@ pub fn run(options: &Calibrate) -> Status {
     let mut session = Session { parameters_vary: true, ..Session::default() };
     let folder = options.study.folder("calibration");
     let terminal = Terminal::new(folder.clone());
+    let (plan, text) = plan_of(&options.study.plan);
     let request = Request {
-        plan: options.study.plan.clone(),
-        memory: Arc::default(),
+        plan,
+        memory: Arc::new(Memory { plan: text, ..Memory::default() }),
         data: options.study.data.clone(),
         modelica_path: modelica_path(),
         profiles: !options.no_profiles,

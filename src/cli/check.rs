@@ -18,6 +18,9 @@ pub fn run(options: &Check) -> Status {
             return printed;
         }
     } else {
+        if options.quiet {
+            session.problems.remove(|d| d.severity == Severity::Warning);
+        }
         say(&session);
     }
     match checked {

@@ -1,8 +1,12 @@
 //! `mocc compare`: two results in, their differences out.
 
+use std::path::Path;
+
+use super::args::model::is_standard;
 use super::args::results::Compare;
-use super::{Status, print, running};
+use super::{Status, print, running, standard_input};
 use crate::compare::tolerance::Tolerance;
+use crate::io::csv::{table_of, trajectory_of};
 use crate::io::format::Format;
 use crate::io::json::Json;
 use crate::ir::trajectory::Trajectory;
@@ -22,8 +26,11 @@ pub fn run(options: &Compare) -> Status {
 }
 
 fn carry_out(options: &Compare) -> Result<Status, String> {
-    let run = Format::read(&options.found, &|_| true)?;
-    let reference = Format::read(&options.reference, &|_| true)?;
+    if is_standard(&options.found) && is_standard(&options.reference) {
+        return Err("only one of the results can be the standard input".to_owned());
+    }
+    let run = result(&options.found)?;
+    let reference = result(&options.reference)?;
     let mut names = Vec::new();
     for text in &options.names {
         let pair = text.split_once('=').ok_or_else(|| format!("`{text}`: write NAME=OTHER"))?;
@@ -65,6 +72,15 @@ fn carry_out(options: &Compare) -> Result<Status, String> {
         Status::Done if !agree => Ok(Status::Model),
         status => Ok(status),
     }
+}
+
+/// The result in a file; `-` is CSV on the standard input.
+fn result(path: &Path) -> Result<Trajectory, String> {
+    if !is_standard(path) {
+        return Format::read(path, &|_| true);
+    }
+    let table = table_of(path, standard_input().as_bytes());
+    table.and_then(|table| trajectory_of(path, table)).map_err(|why| why.to_string())
 }
 
 /// The variables that both results have.

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use super::args::study::Diagnose;
 use super::terminal::Terminal;
-use super::{Status, interrupt, modelica_path, print};
+use super::{Status, interrupt, modelica_path, plan_of, print};
+use crate::calibrate::memory::Memory;
 use crate::diagnose::policy::SearchPolicy;
 use crate::diagnose::run::{Outcome, Request, RunError, run as diagnose};
 use crate::diagnose::study::DiagnosisError;
@@ -25,9 +26,10 @@ pub fn run(options: &Diagnose) -> Status {
     // A limit beyond what the clock can count is none.
     let limit = options.time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
     terminal.deadline = limit.and_then(|limit| started_at.checked_add(limit));
+    let (plan, text) = plan_of(&options.study.plan);
     let request = Request {
-        plan: options.study.plan.clone(),
-        memory: Arc::default(),
+        plan,
+        memory: Arc::new(Memory { plan: text, ..Memory::default() }),
         data: options.study.data.clone(),
         effects: options.effects.clone(),
         modelica_path: modelica_path(),

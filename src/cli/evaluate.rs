@@ -1,11 +1,14 @@
 //! `mocc evaluate`: judges a frozen model on recordings.
 
+use std::sync::Arc;
+
+use super::args::model::is_standard;
 use super::args::study::Evaluate;
-use super::{Status, modelica_path, print, running, say};
+use super::{Status, modelica_path, plan_of, print, running, say, write_result};
 use crate::calibrate::evaluate::{Request, is_model, run as evaluate};
+use crate::calibrate::memory::Memory;
 use crate::calibrate::run::CalibrationError;
 use crate::driver::compile::Session;
-use crate::io::atomic_file::write_file;
 
 /// Runs the command.
 pub fn run(options: &Evaluate) -> Status {
@@ -34,14 +37,16 @@ pub fn run(options: &Evaluate) -> Status {
     for repair in &evaluation.repairs {
         text.push_str(&format!("repaired: {repair}\n"));
     }
-    if let Some(path) = &options.json {
-        if let Err(why) = write_file(path, evaluation.json().as_bytes()) {
+    match options.json.as_ref().map(|path| (path, write_result(path, evaluation.json().as_bytes())))
+    {
+        None => print(&text),
+        Some((_, Err(why))) => {
             eprintln!("error: {why}");
-            return Status::Usage;
+            Status::Usage
         }
-        text.push_str(&format!("wrote {}\n", path.display()));
+        Some((path, Ok(_))) if is_standard(path) => Status::Done,
+        Some((_, Ok(written))) => print(&(text + &written)),
     }
-    print(&text)
 }
 
 /// The plan and the model, whichever is named first.
@@ -61,5 +66,7 @@ fn request(options: &Evaluate) -> Result<Request, String> {
             return Err("two models are named; leave out `--model`".to_owned());
         }
     };
-    Ok(Request { plan, model, data: data.clone(), modelica_path: modelica_path() })
+    let (plan, text) = plan_of(&plan);
+    let memory = Arc::new(Memory { plan: text, ..Memory::default() });
+    Ok(Request { plan, memory, model, data: data.clone(), modelica_path: modelica_path() })
 }

@@ -1,10 +1,11 @@
 //! `mocc steady` and `mocc linearize`: where a model rests, and its linear system there or at another instant.
 
 use super::args::linear::{At, Linearize, Point, Steady};
+use super::args::model::is_standard;
 use super::linear_text::{steady_text, system_text};
-use super::{Status, print, running, say};
-use crate::driver::compile::{Ports, Session};
-use crate::io::atomic_file::write_file;
+use super::{Status, print, running, say, write_result};
+use crate::driver::compile::Session;
+use crate::driver::ports::Ports;
 use crate::io::json::Json;
 use crate::ir::expr::VarId;
 use crate::ir::program::Program;
@@ -104,15 +105,16 @@ fn with_system(
         Ok(system) => system,
         Err(failure) => return running::failed(&failure, &session.sources),
     };
-    let (mut text, all) = show(&program, &system);
-    if let Some(path) = &options.json {
-        if let Err(why) = write_file(path, all.pretty().as_bytes()) {
+    let (text, all) = show(&program, &system);
+    match options.json.as_ref().map(|path| (path, write_result(path, all.pretty().as_bytes()))) {
+        None => print(&text),
+        Some((_, Err(why))) => {
             eprintln!("error: {why}");
-            return Status::Usage;
+            Status::Usage
         }
-        text.push_str(&format!("wrote {}\n", path.display()));
+        Some((path, Ok(_))) if is_standard(path) => Status::Done,
+        Some((_, Ok(written))) => print(&(text + &written)),
     }
-    print(&text)
 }
 
 type Chosen = (Vec<VarId>, Vec<VarId>, Vec<(VarId, f64)>);

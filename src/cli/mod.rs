@@ -56,6 +56,8 @@ use crate::driver::compile::{CompileError, Session};
 use crate::driver::project::{self, Project};
 use crate::simulate::failure::FailureKind;
 
+use args::model::is_standard;
+
 /// The exit status of a command.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Status {
@@ -173,19 +175,31 @@ fn carry_out(command: args::Command) -> Status {
 
 /// Whether a command prints nothing but errors. Those that are not here say themselves what they leave out.
 fn is_quiet(command: &args::Command) -> bool {
+    use args::Command::*;
     match command {
-        args::Command::Sweep(options) => options.quiet,
-        args::Command::Test(options) => options.quiet && !options.json,
-        args::Command::New(options) => options.quiet,
-        args::Command::Compare(options) => options.quiet && !options.json,
-        args::Command::Plot(options) => options.quiet,
-        args::Command::Calibrate(options) => options.study.quiet,
-        args::Command::Diagnose(options) => options.study.quiet,
-        args::Command::Export(options) => {
+        Sweep(options) => options.quiet,
+        Test(options) => options.quiet && !options.json,
+        New(options) => options.quiet,
+        Plan(options) => options.quiet,
+        Lib(options) => options.quiet,
+        Man(options) => options.quiet,
+        Compare(options) => options.quiet && !options.json,
+        Plot(options) => options.quiet,
+        Calibrate(options) => options.study.quiet,
+        Diagnose(options) => options.study.quiet,
+        Evaluate(options) => options.quiet,
+        Steady(options) => options.point.quiet,
+        Linearize(options) => options.point.quiet,
+        Check(options) => options.quiet && !options.json,
+        Format(options) => options.quiet,
+        Flatten(options) => options.quiet,
+        Structure(options) => options.quiet,
+        Export(options) => {
             let args::export::Exported::Fmu(options) = &options.what;
             options.quiet
         }
-        _ => false,
+        Simulate(_) | Report(_) | Watch(_) | Optimize(_) | Doc(_) | Lsp | Explain(_)
+        | Completions(_) => false,
     }
 }
 
@@ -280,17 +294,44 @@ fn print_styled(text: &str) -> Status {
     }
 }
 
-/// Writes a file to the standard output, and removes it.
-fn print_file(path: &Path) -> Status {
+/// Writes bytes to the standard output, however little the command is to print.
+fn print_bytes(bytes: &[u8]) -> Result<(), String> {
     use std::io::{ErrorKind, Write};
     let mut out = std::io::stdout().lock();
-    let bytes = crate::io::atomic_file::take_file(path);
-    match bytes.and_then(|bytes| out.write_all(&bytes).and_then(|()| out.flush())) {
+    match out.write_all(bytes).and_then(|()| out.flush()) {
         Err(why) if why.kind() != ErrorKind::BrokenPipe => {
-            eprintln!("error: cannot write to the standard output: {why}");
+            Err(format!("cannot write to the standard output: {why}"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes a file to the standard output, and removes it.
+fn print_file(path: &Path) -> Status {
+    let bytes = crate::io::atomic_file::take_file(path).map_err(|why| why.to_string());
+    match bytes.and_then(|bytes| print_bytes(&bytes)) {
+        Ok(()) => Status::Done,
+        Err(why) => {
+            eprintln!("error: {why}");
             Status::Usage
         }
-        _ => Status::Done,
+    }
+}
+
+/// Writes a result to a file, or to the standard output if its path is `-`; the line that says so, empty for `-`.
+fn write_result(path: &Path, bytes: &[u8]) -> Result<String, String> {
+    if is_standard(path) {
+        return print_bytes(bytes).map(|()| String::new());
+    }
+    crate::io::atomic_file::write_file(path, bytes).map_err(|why| why.to_string())?;
+    Ok(format!("wrote {}\n", path.display()))
+}
+
+/// The path of a plan for messages, and its text if that is the standard input.
+fn plan_of(path: &Path) -> (std::path::PathBuf, Option<String>) {
+    match is_standard(path) {
+        true => ("stdin.toml".into(), Some(standard_input())),
+        false => (path.to_owned(), None),
     }
 }
 

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::args::study::Optimize;
+use super::args::study::{Optimize, stem};
 use super::progress::Working;
-use super::{Status, interrupt, modelica_path, print, running, say};
+use super::{Status, interrupt, modelica_path, plan_of, print, running, say};
 use crate::calibrate::parallel::cores;
 use crate::driver::compile::Session;
 use crate::io::atomic_file::{create_folder, write_files};
@@ -18,13 +18,15 @@ pub fn run(options: &Optimize) -> Status {
     let started_at = Instant::now();
     let mut session = Session { parameters_vary: true, ..Session::default() };
     let folder = options.out.clone().unwrap_or_else(|| {
-        let stem = options.plan.file_stem().unwrap_or_default().to_string_lossy();
+        let stem = stem(&options.plan);
         format!("{stem}-design").into()
     });
     interrupt::listen();
     let working = Working::new();
+    let (plan, text) = plan_of(&options.plan);
     let request = Request {
-        plan: options.plan.clone(),
+        plan,
+        text,
         modelica_path: modelica_path(),
         jobs: options.jobs.map_or_else(cores, |n| n as usize),
         is_cancelled: &interrupt::is_requested,

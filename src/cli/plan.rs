@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::args::model::is_standard;
 use super::args::study::PlanSkeleton;
 use super::{Status, print, say};
 use crate::calibrate::skeleton::skeleton;
@@ -12,6 +13,10 @@ use crate::io::csv::read_text;
 
 /// Runs the command.
 pub fn run(options: &PlanSkeleton) -> Status {
+    if is_standard(&options.file) {
+        eprintln!("error: a plan names the file of its model; save the model, and give its file");
+        return Status::Usage;
+    }
     let mut session = Session { is_last: true, ..Session::default() };
     let flat = session.flatten(&options.request());
     say(&session);
@@ -27,6 +32,7 @@ pub fn run(options: &PlanSkeleton) -> Status {
         }
         Ok(text) => match &options.output {
             None => print(&text),
+            Some(path) if is_standard(path) => print(&text),
             Some(path) if path.exists() => {
                 eprintln!("error: {} exists already; choose another name", path.display());
                 Status::Usage

@@ -5,12 +5,12 @@ use std::sync::OnceLock;
 
 use super::args::model::is_standard;
 use super::args::results::Plot;
-use super::{Status, print, standard_input};
+use super::{Status, print, print_bytes, standard_input};
 use crate::driver::files;
 use crate::io::format::Format;
 use crate::io::records::parts;
 use crate::measure::formula::{Columns, Formula};
-use crate::report::chart::{Chart, Group, Series, chart};
+use crate::report::chart::{Chart, Group, Series, chart, svg};
 
 /// Runs the command.
 pub fn run(options: &Plot) -> Status {
@@ -121,6 +121,9 @@ fn picture(options: &Plot) -> Result<(), String> {
             PathBuf::from(stem).with_extension("svg")
         }
     };
+    if is_standard(&path) {
+        return print_bytes(svg(&drawn).map_err(|e| e.to_string())?.as_bytes());
+    }
     chart(&drawn, &path).map_err(|e| e.to_string())?;
     if options.output.is_none() {
         print(&format!("wrote {}\n", path.display()));

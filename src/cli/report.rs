@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use super::args::model::is_standard;
 use super::args::runs::Report;
 use super::progress::Progress;
-use super::{Status, interrupt, print, running, say};
+use super::{Status, interrupt, print, running, say, write_result};
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::{SourceMap, Span};
 use crate::calibrate::unit::Unit;
@@ -154,10 +155,11 @@ fn make(options: &Report) -> Result<Status, Status> {
         remarks,
     };
     draw_diagram(options, &assembly, &session.sources, &mut written)?;
-    write_file(&output, html(&doc).as_bytes()).map_err(wrong)?;
+    write_result(&output, html(&doc).as_bytes()).map_err(wrong)?;
+    let is_piped = is_standard(&output);
     written.push(output);
     let summary = format!("{}: {}\n", doc.model, counted(doc.runs.len()));
-    let status = match options.quiet {
+    let status = match options.quiet || is_piped {
         true => Status::Done,
         false => print(&format!("{summary}{}", list(&written))),
     };

@@ -2,13 +2,11 @@
 
 use std::path::Path;
 
-use super::args::inspect::Structure;
-use super::args::model::Model;
-use super::{Status, print, say};
+use super::args::inspect::{Flatten, Structure};
+use super::{Status, print, say, write_result};
 use crate::base::diag::Diagnostic;
 use crate::driver::cause::RequestCause;
 use crate::driver::compile::{Request, Session};
-use crate::io::atomic_file::write_file;
 use crate::ir::diagram::Diagram;
 use crate::report::dot::dot;
 use crate::report::incidence::svg;
@@ -19,10 +17,10 @@ use crate::structure::diagram::diagram;
 const PNG_SCALE: u32 = 2;
 
 /// Prints the flat model.
-pub fn flatten(options: &Model) -> Status {
+pub fn flatten(options: &Flatten) -> Status {
     let mut session = Session { is_last: true, ..Session::default() };
     // Of an FMU its interface is shown, without loading its code.
-    let request = Request { takes_fmu: true, ..options.request() };
+    let request = Request { takes_fmu: true, ..options.model.request() };
     let fragments = match session.flatten(&request) {
         Ok(flat) => {
             let fragments = crate::flatten::print::fragments(&flat).map_err(|why| {
@@ -69,8 +67,7 @@ pub fn structure(options: &Structure) -> Status {
 fn draw(options: &Structure, diagram: &Diagram) -> Status {
     let mut written = String::new();
     let mut write = |path: &Path, bytes: &[u8]| {
-        write_file(path, bytes).map_err(|e| e.to_string())?;
-        written.push_str(&format!("wrote {}\n", path.display()));
+        written.push_str(&write_result(path, bytes)?);
         Ok(())
     };
     let mut drawn = Ok(());

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::args::model::is_standard;
 use super::args::runs::Sweep as Options;
 use super::progress::Progress;
 use super::running::{self, names_in};
-use super::{Status, interrupt, print, project, say};
+use super::{Status, interrupt, print, print_file, project, say};
 use crate::driver::compile::Session;
 use crate::driver::packed::Packed;
-use crate::io::atomic_file::create_folder;
+use crate::io::atomic_file::{create_folder, scratch_path};
 use crate::io::format::Format;
 use crate::io::journal::{Found, Journal, exists, remove, shard, shards};
 use crate::ir::flat::Experiment;
@@ -72,7 +73,8 @@ impl Command {
         let files = Files::of(options).map_err(refuse)?;
         let shard = options.shard.as_deref().map_or(Ok(Shard::WHOLE), Shard::read);
         let mut request = running::request(&options.model, &options.running);
-        request.text = text;
+        // A front end holds the text; without one it may be that of the standard input.
+        request.text = text.or(request.text);
         request.packed = packed.clone();
         let keeps = files.traces.is_some();
         let model = Model {
@@ -114,6 +116,10 @@ impl Command {
         drop(progress);
         let seconds = started_at.elapsed().as_secs_f64();
         let name = &self.prepared.name;
+        if !complete && self.files.is_piped {
+            journal.remove()?;
+            return Ok(Status::Interrupted);
+        }
         if !complete {
             let text = format!(
                 "{name}: interrupted after {} of {count} runs; the same command resumes from there\n",
@@ -169,6 +175,9 @@ impl Command {
         let tally = self.sweep().write(&mut journals, &self.files.table)?;
         for journal in journals {
             journal.remove()?;
+        }
+        if self.files.is_piped {
+            return Ok(print_file(&self.files.table));
         }
         let status = print(&summary(&self.prepared.name, &tally, how, &self.files));
         Ok(if tally.failed == tally.runs { Status::Numerics } else { status })
@@ -277,17 +286,29 @@ fn describe(options: &Options) -> String {
     )
 }
 
+/// Extensions of files that a sweep does not write; a folder may have any other.
+const OTHER_FILES: [&str; 16] = [
+    "mat", "svg", "png", "json", "html", "xlsx", "xls", "ods", "tsv", "txt", "xml", "pdf", "h5",
+    "hdf5", "nc", "feather",
+];
+
 /// The files of a sweep.
 struct Files {
     folder: Option<PathBuf>,
     table: PathBuf,
     journal: PathBuf,
     traces: Option<PathBuf>,
+    /// The table is printed.
+    is_piped: bool,
 }
 
 impl Files {
     fn of(options: &Options) -> Result<Files, SweepError> {
-        let output = &options.output;
+        let is_piped = is_standard(&options.output);
+        let output = if is_piped { &scratch_path("csv") } else { &options.output };
+        if is_piped && (options.shard.is_some() || options.gather) {
+            return Err(SweepError::PipedShard);
+        }
         let wanted =
             options.traces || options.show.is_some() || options.running.variables.is_some();
         let extension = output.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
@@ -299,10 +320,10 @@ impl Files {
             let mut journal = output.clone().into_os_string();
             journal.push(".journal");
             let journal = PathBuf::from(journal);
-            return Ok(Files { folder: None, table: output.clone(), journal, traces: None });
+            let (folder, table, traces) = (None, output.clone(), None);
+            return Ok(Files { folder, table, journal, traces, is_piped });
         }
-        if extension.is_some_and(|e| matches!(e.as_str(), "mat" | "svg" | "png" | "json" | "html"))
-        {
+        if extension.is_some_and(|e| OTHER_FILES.contains(&e.as_str())) {
             return Err(SweepError::Format(output.display().to_string()));
         }
         Ok(Files {
@@ -310,6 +331,7 @@ impl Files {
             table: output.join("sweep.csv"),
             journal: output.join("sweep.journal"),
             traces: wanted.then(|| output.join("runs")),
+            is_piped,
         })
     }
 }

@@ -1,17 +1,18 @@
 //! `mocc test`: runs tests of models, shows what changed, and writes snapshots if asked to.
 
+use super::args::model::is_standard;
 use super::args::project::Test as Options;
-use super::{Status, modelica_path, print, say_problems};
+use super::{Status, modelica_path, print, say_problems, write_result};
 use crate::base::diag::Problems;
 use crate::base::source::SourceMap;
 use crate::driver::files::read;
 use crate::io::atomic_file::write_file;
-use crate::regression::files::discover;
-use crate::regression::review;
+use crate::regression::files::{discover, is_test};
 use crate::regression::run::{Finding, Outcome, run as run_test};
 use crate::regression::snapshot::{Snapshot, TRACES, unused};
 use crate::regression::summary::{self, Done};
 use crate::regression::test_file::{self, Test};
+use crate::regression::{annotation, review};
 use crate::report::page::diff::plain;
 use crate::sweep::pool;
 
@@ -42,6 +43,7 @@ fn carry_out(options: &Options) -> Result<Status, String> {
         let filter = options.filter.as_deref().unwrap_or_default();
         return Err(format!("no test matches `{filter}`; there are {}", all.len()));
     }
+    let is_piped = options.junit.as_deref().is_some_and(is_standard);
     let jobs = options.jobs.map_or_else(pool::cores, |n| n.min(1 << 10) as usize);
     let mut outcomes: Vec<Outcome> = Vec::new();
     let mut printed = Status::Done;
@@ -52,7 +54,7 @@ fn carry_out(options: &Options) -> Result<Status, String> {
         |k, outcome: Outcome| {
             // With `--update` a test may still pass.
             let is_provisional = options.update && needs_update(&outcome);
-            if !options.json && !is_provisional {
+            if !options.json && !is_piped && !is_provisional {
                 printed = print(&summary::line(chosen[k as usize], &outcome));
             }
             outcomes.push(outcome);
@@ -82,10 +84,12 @@ fn carry_out(options: &Options) -> Result<Status, String> {
     }
     let done: Vec<Done<'_>> = chosen.iter().copied().zip(&outcomes).collect();
     if let Some(path) = &options.junit {
-        write_file(path, summary::junit(&done).as_bytes()).map_err(|e| e.to_string())?;
+        write_result(path, summary::junit(&done).as_bytes())?;
     }
     let (passed, failed) = summary::counts(&done);
-    let text = if options.json {
+    let text = if is_piped {
+        String::new()
+    } else if options.json {
         summary::json(&done, &updated).pretty()
     } else {
         let mut text = format!("{passed} passed, {failed} failed");
@@ -116,19 +120,26 @@ fn tests(options: &Options) -> Result<Vec<Test>, String> {
     }
     files.sort();
     files.dedup();
-    if files.is_empty() {
-        let places: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
-        return Err(format!("there is no test file, NAME.test.toml, in {}", places.join(", ")));
-    }
     let (mut sources, mut problems) = (SourceMap::default(), Problems::new());
     let mut all = Vec::new();
     for file in files {
         let file = file.strip_prefix(".").map(Into::into).unwrap_or(file);
         let text = read(&file).map_err(|why| format!("cannot read {}: {why}", file.display()))?;
-        all.extend(test_file::read(&file, &text, &mut sources, &mut problems).unwrap_or_default());
+        let by = if is_test(&file) { test_file::read } else { annotation::read };
+        all.extend(by(&file, &text, &mut sources, &mut problems).unwrap_or_default());
     }
     say_problems(&problems, &sources);
-    if problems.has_errors() { Err(String::new()) } else { Ok(all) }
+    if problems.has_errors() {
+        return Err(String::new());
+    }
+    if all.is_empty() {
+        let places: Vec<String> = paths.iter().map(|p| p.display().to_string()).collect();
+        return Err(format!(
+            "there are no tests in {}: neither a file NAME.test.toml nor a model with `__mocc(tests(...))`",
+            places.join(", ")
+        ));
+    }
+    Ok(all)
 }
 
 fn title(test: &Test) -> String {
@@ -155,7 +166,7 @@ fn accept(
         updated.push(snapshot.path.display().to_string());
     }
     outcome.findings = rest;
-    if !options.json {
+    if !options.json && !options.junit.as_deref().is_some_and(is_standard) {
         text += &summary::line(test, outcome);
         print(&text);
     }
@@ -183,9 +194,7 @@ fn shown(snapshot: &Snapshot, finding: &Finding) -> String {
 
 /// Mentions snapshots that no test has any more.
 fn note_unused(all: &[Test]) {
-    for tests in all.chunk_by(|a, b| a.file == b.file) {
-        for path in unused(&tests[0].file, tests) {
-            eprintln!("note: no test uses {}; remove it", path.display());
-        }
+    for path in unused(all) {
+        eprintln!("note: no test uses {}; remove it", path.display());
     }
 }

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::Span;
-use crate::driver::compile::{Annotated, CompileError, Request, Session};
+use crate::driver::annotation::Annotated;
+use crate::driver::compile::{CompileError, Request, Session};
 use crate::driver::files;
 use crate::flatten::inventory::{Inventory, InventoryConnector};
 use crate::ir::flat::{FlatModel, Variability, Variable};

@@ -25,8 +25,16 @@ pub fn summary(outcome: &Outcome, seconds: f64) -> String {
         }
     }
     for (name, value, error, unit) in estimates(&study.effects, after) {
-        let line = format!("    {name} = {} ± {error:.1e} {unit}", shown(value, error));
-        let remark = if after.is_at_bound(&name) { ", at its bound" } else { "" };
+        let error_shown = match error.is_finite() {
+            true => format!(" ± {error:.1e}"),
+            false => String::new(),
+        };
+        let line = format!("    {name} = {}{error_shown} {unit}", shown(value, error));
+        let remark = match (after.is_at_bound(&name), error.is_finite()) {
+            (true, _) => ", at its bound",
+            (false, false) => ", not determined",
+            (false, true) => "",
+        };
         out.push_str(&format!("{}{remark}\n", line.trim_end()));
     }
     out.push_str("  reduced chi-square       before      after\n");

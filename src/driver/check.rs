@@ -5,7 +5,8 @@
 //! open. A class without them is a system: it goes through all stages before simulation. Since each
 //! component is counted by itself, a file is checked locally and globally (MLS 3.6, section 4.7).
 
-use super::compile::{CompileError, Request, Session, find_in, model, models};
+use super::compile::{CompileError, Request, Session};
+use super::subject::{find_in, model, models};
 use crate::base::activity;
 use crate::base::diag::{Diagnostic, Problems, Severity};
 use crate::base::index::FastSet;

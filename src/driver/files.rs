@@ -7,6 +7,7 @@ use std::sync::LazyLock;
 use include_dir::{Dir, DirEntry, include_dir};
 
 use super::compile::Request;
+use super::neighbours::Neighbours;
 use crate::base::index::FastMap;
 use crate::ir::ast;
 use crate::resolve::library::Folder;
@@ -283,14 +284,24 @@ pub fn home(file: &Path, within: Option<&ast::Path>) -> Option<Home> {
     Some(Home { root: Box::new(OnDisk(shown.unwrap_or(root).to_path_buf())), package })
 }
 
-/// Folders to search: those that a request names, in memory or on disk, then those of `MODELICAPATH`, then the shipped
-/// library.
+/// Folders to search: those that a request names, in memory or on disk, then that of the model, then those of
+/// `MODELICAPATH`, then the shipped library.
 pub fn folders(request: &Request) -> Vec<Box<dyn Folder>> {
     let folder_of = |file: &PathBuf| {
         let parent = file.parent().filter(|p| !p.as_os_str().is_empty());
         parent.map_or_else(|| PathBuf::from("."), Path::to_path_buf)
     };
     let own = request.file.as_ref().map(folder_of);
+    let neighbours: Option<Box<dyn Folder>> = match &own {
+        None => None,
+        Some(own) => match request.packed.folder(own) {
+            Some(packed) => Some(Box::new(packed)),
+            None => {
+                let found = request.file.as_deref().and_then(Neighbours::of);
+                found.map(|found| -> Box<dyn Folder> { Box::new(found) })
+            }
+        },
+    };
     let mut all: Vec<Box<dyn Folder>> =
         vec![Box::new(AsNamed { own, allowed: request.readable.clone() })];
     for path in &request.folders {
@@ -299,6 +310,7 @@ pub fn folders(request: &Request) -> Vec<Box<dyn Folder>> {
             None => all.push(Box::new(OnDisk(path.clone()))),
         }
     }
+    all.extend(neighbours);
     for path in request.modelica_path.as_deref().into_iter().flat_map(std::env::split_paths) {
         if !path.as_os_str().is_empty() {
             all.push(Box::new(OnDisk(path)));

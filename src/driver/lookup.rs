@@ -4,22 +4,20 @@
 //! the names that may be written there, and all places in the text that refer to the same declaration.
 
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 use std::sync::Arc;
 
 use super::catalogue::kind;
-use super::compile::{Request, Session, find_in};
-use super::dotted_name::{DottedName, at as word};
+use super::compile::{Request, Session};
+use super::dotted_name::at as word;
+use super::target::{Target, class_named, enclosing, modified_name, resolve};
+
 use crate::base::diag::Problems;
-use crate::base::name::name;
 use crate::base::source::Span;
-use crate::classes::{ClassGraph, ROOT};
+use crate::classes::ClassGraph;
 use crate::evaluate::Evaluator;
-use crate::ir::ast::{
-    self, Argument, ArgumentKind, Class, ClassBody, ElementKind, Ident, Modification, Variability,
-};
+use crate::ir::ast::{self, ClassBody};
 use crate::ir::expr::Const;
-use crate::ir::instance::{ClassId, Entry, EntryKind, Scope};
+use crate::ir::instance::EntryKind;
 use crate::parse::lexer::lex;
 use crate::parse::token::TokenKind;
 use crate::resolve::library::Library;
@@ -41,45 +39,6 @@ pub struct Found {
     pub place: (u32, u32),
     /// Unit and value of a variable in the model around the place, where they are known.
     pub value: Option<String>,
-}
-
-/// The kinds of names that may be written.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum CandidateKind {
-    /// A variable or a component.
-    Component,
-    /// A parameter or a constant.
-    Parameter,
-    /// A class.
-    Class,
-    /// A package.
-    Package,
-    /// A keyword.
-    Keyword,
-}
-
-/// A name that may be written.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Candidate {
-    /// The name.
-    pub name: String,
-    /// Its kind.
-    pub kind: CandidateKind,
-    /// Its type, or the kind of the class.
-    pub detail: String,
-    /// Its description string; may be empty.
-    pub description: String,
-    /// It is modified here, so ` = ` follows.
-    pub is_modifier: bool,
-    /// Its value in the declaration, as written; empty without one.
-    pub default: String,
-}
-
-/// A component of a class, or a class.
-#[derive(Clone)]
-enum Target {
-    Component(Entry),
-    Class(ClassId),
 }
 
 impl Session {
@@ -120,62 +79,8 @@ impl Session {
         places.unwrap_or_default()
     }
 
-    /// The names that may be written at `offset`.
-    pub fn candidates(&mut self, request: &Request, offset: u32) -> Vec<Candidate> {
-        let found = self.with_text(request, |cx, file, text| {
-            let before = &text[..offset as usize];
-            let start = before
-                .rfind(|c: char| !c.is_alphanumeric() && c != '_')
-                .map_or(0, |at| at + before[at..].chars().next().map_or(1, char::len_utf8));
-            if let Some(stem) = before[..start].strip_suffix('.') {
-                let word = word(text, stem.len() as u32)?;
-                let target = resolve(cx, file, &word, stem.len() as u32)?;
-                let class = class_of(cx, &target)?;
-                return Some(members(cx, class, matches!(target, Target::Class(_)), false));
-            }
-            let (chain, _) = enclosing(file, offset)?;
-            let class = class_named(cx, file, &chain)?;
-            if let Some(modified) = modified(cx, class, chain.last()?, offset)
-                && before[..start].trim_end().ends_with(['(', ','])
-            {
-                return Some(members(cx, modified, false, true));
-            }
-            let mut out = members(cx, class, true, false);
-            for package in cx.library.child_names("") {
-                if !out.iter().any(|known| known.name == package) {
-                    out.push(Candidate {
-                        name: package,
-                        kind: CandidateKind::Package,
-                        detail: "package".into(),
-                        description: String::new(),
-                        is_modifier: false,
-                        default: String::new(),
-                    });
-                }
-            }
-            Some(out)
-        });
-        let mut out = found.flatten().unwrap_or_default();
-        let is_member = request.text.as_deref().is_some_and(|text| {
-            let word =
-                text[..offset as usize].trim_end_matches(|c: char| c.is_alphanumeric() || c == '_');
-            word.ends_with('.')
-        });
-        if !is_member && !out.iter().any(|c| c.is_modifier) {
-            out.extend(TokenKind::KEYWORDS.iter().map(|word| Candidate {
-                name: (*word).to_owned(),
-                kind: CandidateKind::Keyword,
-                detail: String::new(),
-                description: String::new(),
-                is_modifier: false,
-                default: String::new(),
-            }));
-        }
-        out
-    }
-
     /// Calls `by` with the classes that the text can see.
-    fn with_text<T>(
+    pub(super) fn with_text<T>(
         &mut self,
         request: &Request,
         by: impl FnOnce(&mut Evaluator<'_>, &ast::File, &str) -> T,
@@ -238,178 +143,6 @@ fn is_same_file(a: &Path, b: &Path) -> bool {
     a == b || absolute(a).is_some_and(|a| Some(a) == absolute(b))
 }
 
-/// The classes around a place, from the outermost, and the full name of the innermost.
-fn enclosing(file: &ast::File, offset: u32) -> Option<(Vec<Arc<Class>>, String)> {
-    let holds = |class: &Class| class.span.start <= offset && offset <= class.span.end;
-    let mut chain = vec![Arc::clone(file.classes.iter().find(|class| holds(class))?)];
-    while let Some(ClassBody::Long(composition)) = chain.last().map(|class| &class.body) {
-        let inner = composition.elements.iter().find_map(|e| match &e.kind {
-            ElementKind::Class(class) if holds(class) => Some(Arc::clone(class)),
-            _ => None,
-        });
-        match inner {
-            Some(class) => chain.push(class),
-            None => break,
-        }
-    }
-    let names: Vec<String> = chain.iter().map(|class| class.name.name.to_string()).collect();
-    let full = names.join(".");
-    Some((chain, full))
-}
-
-fn class_named(cx: &mut Evaluator<'_>, file: &ast::File, chain: &[Arc<Class>]) -> Option<ClassId> {
-    let names: Vec<String> = chain.iter().map(|class| class.name.name.to_string()).collect();
-    find_in(cx, file, &names.join("."))
-}
-
-/// What a name refers to: in the class that is modified there, or in the classes around it.
-fn resolve(
-    cx: &mut Evaluator<'_>,
-    file: &ast::File,
-    word: &DottedName,
-    offset: u32,
-) -> Option<Target> {
-    let Some((chain, _)) = enclosing(file, offset) else {
-        return path(cx, ROOT.class, &word.parts, true);
-    };
-    let innermost = class_named(cx, file, &chain)?;
-    let own = chain.last()?;
-    if own.name.span.start <= offset && offset <= own.name.span.end {
-        return Some(Target::Class(innermost));
-    }
-    if let Some(modified) = modified_name(cx, innermost, own, offset) {
-        return path(cx, modified, &word.parts, false);
-    }
-    for k in (1..=chain.len()).rev() {
-        let Some(class) = class_named(cx, file, &chain[..k]) else { continue };
-        if let Some(found) = path(cx, class, &word.parts, k == chain.len()) {
-            return Some(found);
-        }
-    }
-    None
-}
-
-/// A dotted name among the elements of a class and, `lexically`, among all classes that it can see.
-fn path(
-    cx: &mut Evaluator<'_>,
-    class: ClassId,
-    parts: &[String],
-    lexically: bool,
-) -> Option<Target> {
-    let (first, rest) = parts.split_first()?;
-    let mut target = member(cx, class, first).or_else(|| {
-        let scope = Scope { instance: cx.classes[class].holder, class };
-        let ident = Ident { name: name(first), span: Span::NONE };
-        let wanted = ast::Path { global: false, parts: vec![ident], span: Span::NONE };
-        lexically.then(|| cx.find_class(&wanted, scope)).flatten().map(Target::Class)
-    })?;
-    for part in rest {
-        let class = class_of(cx, &target)?;
-        target = member(cx, class, part)?;
-    }
-    Some(target)
-}
-
-fn member(cx: &mut Evaluator<'_>, class: ClassId, wanted: &str) -> Option<Target> {
-    if class != ROOT.class && cx.definition(class).is_some() {
-        let table = cx.table(class);
-        if let Some(entry) = table.index.get(&name(wanted)).map(|k| table.entries[*k].clone())
-            && matches!(entry.kind, EntryKind::Component(_))
-        {
-            return Some(Target::Component(entry));
-        }
-    }
-    let holder = cx.classes[class].holder;
-    cx.member_class(class, name(wanted), holder).map(Target::Class)
-}
-
-/// The class of a component, or the class itself.
-fn class_of(cx: &mut Evaluator<'_>, target: &Target) -> Option<ClassId> {
-    match target {
-        Target::Class(class) => Some(*class),
-        Target::Component(entry) => {
-            let EntryKind::Component(declaration) = &entry.kind else { return None };
-            let scope = Scope { instance: cx.classes[entry.class].holder, class: entry.class };
-            cx.find_class(&declaration.clause().type_name, scope)
-        }
-    }
-}
-
-/// The class whose elements the arguments at a place modify.
-fn modified(cx: &mut Evaluator<'_>, class: ClassId, text: &Class, offset: u32) -> Option<ClassId> {
-    let (modification, class) = modification(cx, class, text, offset)?;
-    descend(cx, modification, class, offset, false)
-}
-
-/// As [`modified`], if the place is in the name of an argument, not in its value.
-fn modified_name(
-    cx: &mut Evaluator<'_>,
-    class: ClassId,
-    text: &Class,
-    offset: u32,
-) -> Option<ClassId> {
-    let (modification, class) = modification(cx, class, text, offset)?;
-    descend(cx, modification, class, offset, true)
-}
-
-/// The modification of a component or base class around a place, and the class that it modifies.
-fn modification<'t>(
-    cx: &mut Evaluator<'_>,
-    class: ClassId,
-    text: &'t Class,
-    offset: u32,
-) -> Option<(&'t Modification, ClassId)> {
-    let holds = |span: Span| span.start <= offset && offset <= span.end;
-    let scope = Scope { instance: cx.classes[class].holder, class };
-    let ClassBody::Long(composition) = &text.body else { return None };
-    for element in composition.elements.iter().filter(|e| holds(e.span)) {
-        let (of, found): (&ast::Path, _) = match &element.kind {
-            ElementKind::Components(clause) => {
-                let found = clause
-                    .components
-                    .iter()
-                    .find_map(|c| c.modification.as_deref().filter(|m| holds(m.span)));
-                (&clause.type_name, found)
-            }
-            ElementKind::Extends(extends) => {
-                (&extends.base, extends.modification.as_deref().filter(|m| holds(m.span)))
-            }
-            _ => continue,
-        };
-        if let Some(found) = found {
-            return Some((found, cx.find_class(of, scope)?));
-        }
-    }
-    None
-}
-
-fn descend(
-    cx: &mut Evaluator<'_>,
-    modification: &Modification,
-    class: ClassId,
-    offset: u32,
-    in_name: bool,
-) -> Option<ClassId> {
-    let holds = |span: Span| span.start <= offset && offset <= span.end;
-    if modification.binding.as_ref().is_some_and(|b| holds(b.span)) {
-        return None;
-    }
-    let Some(Argument {
-        kind: ArgumentKind::Element { path: own, modification: inner, .. }, ..
-    }) = modification.args.iter().find(|arg| holds(arg.span))
-    else {
-        return (!in_name).then_some(class);
-    };
-    if holds(own.span) {
-        return Some(class);
-    }
-    let inner = inner.as_deref().filter(|m| holds(m.span))?;
-    let parts: Vec<String> = own.parts.iter().map(|part| part.name.to_string()).collect();
-    let target = path(cx, class, &parts, false)?;
-    let class = class_of(cx, &target)?;
-    descend(cx, inner, class, offset, in_name)
-}
-
 fn describe(cx: &mut Evaluator<'_>, target: &Target) -> Option<Found> {
     let (ident, code, description) = match target {
         Target::Class(class) => {
@@ -444,66 +177,4 @@ fn describe(cx: &mut Evaluator<'_>, target: &Target) -> Option<Found> {
         place: (ident.span.start, ident.span.end),
         value: None,
     })
-}
-
-/// The elements of a class that may be named from outside, or from inside; those that may be modified.
-fn members(cx: &mut Evaluator<'_>, class: ClassId, inside: bool, modified: bool) -> Vec<Candidate> {
-    let mut out = Vec::new();
-    let table: Rc<_> = cx.table(class);
-    for entry in &table.entries {
-        match &entry.kind {
-            EntryKind::Component(declaration) if inside || !entry.protected => {
-                let (clause, component) = (declaration.clause(), declaration.component());
-                let is_fixed =
-                    clause.prefix.variability.is_some_and(|v| v != Variability::Discrete);
-                let binding = component.modification.as_ref().and_then(|m| m.binding.clone());
-                let binding = binding.and_then(|e| cx.sources.text(e.span).map(str::to_owned));
-                let default = binding.unwrap_or_default();
-                let kind = match is_fixed {
-                    true => CandidateKind::Parameter,
-                    false => CandidateKind::Component,
-                };
-                out.push(Candidate {
-                    name: component.name.name.to_string(),
-                    kind,
-                    detail: clause.type_name.to_string(),
-                    description: component.description.as_deref().unwrap_or_default().to_owned(),
-                    is_modifier: modified,
-                    default,
-                });
-            }
-            EntryKind::Class(text) if inside && !modified => out.push(of_class(text)),
-            _ => {}
-        }
-    }
-    if inside && !modified {
-        let full = cx.classes[class].full_name.to_string();
-        for file in cx.library.child_names(&full) {
-            if out.iter().any(|known| known.name == file) {
-                continue;
-            }
-            let holder = cx.classes[class].holder;
-            let found = cx.member_class(class, name(&file), holder);
-            if let Some(text) = found.and_then(|class| cx.definition(class).cloned()) {
-                out.push(of_class(&text));
-            }
-        }
-    }
-    if modified {
-        // Parameters are what is modified most.
-        out.sort_by_key(|c| c.kind != CandidateKind::Parameter);
-    }
-    out
-}
-
-fn of_class(text: &Class) -> Candidate {
-    let detail = kind(text);
-    Candidate {
-        name: text.name.name.to_string(),
-        kind: if detail == "package" { CandidateKind::Package } else { CandidateKind::Class },
-        detail: detail.to_owned(),
-        description: text.description.as_deref().unwrap_or_default().to_owned(),
-        is_modifier: false,
-        default: String::new(),
-    }
 }

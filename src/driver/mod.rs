@@ -1,4 +1,7 @@
 //! From a request to a flat model, to sorted blocks, to a program: the recipe, and the files it reads.
+pub mod annotation;
+pub mod annotation_table;
+pub mod candidates;
 pub mod catalogue;
 pub mod cause;
 pub mod check;
@@ -8,9 +11,15 @@ pub mod files;
 pub mod foreign;
 pub mod hints;
 pub mod lookup;
+mod measured;
 pub mod memory;
+pub mod neighbours;
 pub mod packed;
+pub mod ports;
 pub mod project;
 pub mod quantity;
 pub mod replacements;
 pub mod stamps;
+mod subject;
+mod target;
+mod unit_checks;

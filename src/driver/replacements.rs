@@ -8,7 +8,8 @@ use crate::ir::ast::{ClassBody, ClassKind, ElementKind, Path};
 use crate::ir::instance::{ClassId, Entry, EntryKind, Scope};
 use crate::resolve::library::Library;
 
-use super::compile::{Request, Session, find, model};
+use super::compile::{Request, Session};
+use super::subject::{find, model};
 
 /// Depth of components within which replaceable elements are looked for.
 const MAX_DEPTH: usize = 2;

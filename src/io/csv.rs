@@ -304,9 +304,12 @@ pub enum ReadError {
 /// The columns have no units and count as continuous. Spaces around fields and a byte order mark
 /// are skipped.
 pub fn read_csv(path: impl AsRef<Path>) -> Result<Trajectory, ReadError> {
-    let path = path.as_ref();
+    trajectory_of(path.as_ref(), read_text(&path)?)
+}
+
+/// The trajectory of a table, which `path` names in messages; its first column is the time.
+pub fn trajectory_of(path: &Path, table: TextTable) -> Result<Trajectory, ReadError> {
     let at = || path.to_path_buf();
-    let table = read_text(path)?;
     let names = table.names;
     let mut run = Trajectory::new(names[1..].iter().map(|n| Column::new(n.as_str(), "")).collect());
     let mut values = vec![0.0; names.len()];

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use crate::driver::candidates::{Candidate, CandidateKind};
 use crate::driver::catalogue::shipped;
 use crate::driver::compile::{Request, Session};
-use crate::driver::lookup::{Candidate, CandidateKind, Found};
+use crate::driver::lookup::Found;
 use crate::io::atomic_file::{create_folder, write_file};
 use crate::io::json::Json;
 

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use super::cause::DesignCause;
 use crate::base::diag::{Diagnostic, Problems};
+use crate::base::document::{Item, Section};
 use crate::base::source::{SourceMap, Span};
-use crate::base::toml_file::{Item, Reader, Section, read as read_toml};
+use crate::base::toml_file::{Reader, read as read_toml};
 use crate::calibrate::plan::Free;
 use crate::driver::quantity::{self, Quantity};
 
@@ -126,17 +127,14 @@ pub fn read(
 fn plan(r: &mut Reader<'_>, root: &Section<'_>, path: &Path) -> Option<Plan> {
     r.known(root, &TOP);
     let base = path.parent().unwrap_or(Path::new(""));
-    let model = r.text(root, "model");
-    if root.get("model").is_none() {
-        r.missing("model", root);
-    }
+    let model = r.required(root, "model");
     let (goal, maximize) = goal(r, root)?;
     let count = |item: Item<'_>| {
         item.number().filter(|x| x.fract() == 0.0 && (1.0..=1e4).contains(x)).map(|x| x as usize)
     };
     Some(Plan {
         path: path.to_owned(),
-        model: base.join(model?),
+        model: base.join(model),
         name: r.text(root, "name"),
         libraries: r
             .texts(root, "libraries")
@@ -144,7 +142,7 @@ fn plan(r: &mut Reader<'_>, root: &Section<'_>, path: &Path) -> Option<Plan> {
             .iter()
             .map(|f| base.join(f))
             .collect(),
-        fixed: fixed(r, root),
+        fixed: r.settings(root, "fixed"),
         stop: r.size(root, "stop"),
         tolerance: r.size(root, "tolerance"),
         goal,
@@ -161,7 +159,7 @@ fn plan(r: &mut Reader<'_>, root: &Section<'_>, path: &Path) -> Option<Plan> {
 fn goal(r: &mut Reader<'_>, root: &Section<'_>) -> Option<(String, bool)> {
     let Some(section) = r.section(root, "goal") else {
         if root.get("goal").is_none() {
-            let place = r.place_of(root);
+            let place = root.place();
             r.report(Diagnostic::new(DesignCause::NoGoal, place));
         }
         return None;
@@ -172,63 +170,37 @@ fn goal(r: &mut Reader<'_>, root: &Section<'_>) -> Option<(String, bool)> {
         (Some(text), None) => Some((text, false)),
         (None, Some(text)) => Some((text, true)),
         _ => {
-            let place = r.place_of(&section);
+            let place = section.place();
             r.report(Diagnostic::new(DesignCause::NoGoal, place));
             None
         }
     }
 }
 
-fn fixed(r: &mut Reader<'_>, root: &Section<'_>) -> Vec<String> {
-    let Some(section) = r.section(root, "fixed") else { return Vec::new() };
-    let mut out = Vec::new();
-    for (name, item) in section.entries() {
-        match item.written() {
-            Some(value) => out.push(format!("{name}={value}")),
-            None => r.wrong(&name, item, "a number, a string, `true` or `false`"),
-        }
-    }
-    out
-}
-
 fn limits(r: &mut Reader<'_>, root: &Section<'_>) -> Vec<Limit> {
-    let Some(all) = r.section(root, "limits") else { return Vec::new() };
     let mut out = Vec::new();
-    for (name, item) in all.entries() {
-        let Some(own) = item.section() else {
-            r.wrong(&name, item, "a table `{ is = \"...\", max = ... }`");
-            continue;
-        };
+    for (name, own) in r.tables(root, "limits", "a table `{ is = \"...\", max = ... }`") {
         r.known(&own, &["is", "min", "max"]);
-        if own.get("is").is_none() {
-            r.missing("is", &own);
-        }
-        let expression = r.text(&own, "is").unwrap_or_default();
+        let expression = r.required(&own, "is");
         let (min, max) = (value(r, &own, "min"), value(r, &own, "max"));
-        check(r, &name, item, [&min, &max]);
+        check(r, &name, &own, [&min, &max]);
         out.push(Limit { name, expression, min, max });
     }
     out
 }
 
 fn free(r: &mut Reader<'_>, root: &Section<'_>) -> Vec<Range> {
-    let all = r.section(root, "free").map(|s| s.entries()).unwrap_or_default();
-    if all.is_empty() {
-        let place = r.place_of(root);
-        r.report(Diagnostic::new(DesignCause::NothingFree, place));
+    if r.entries(root, "free").is_empty() {
+        r.report(Diagnostic::new(DesignCause::NothingFree, root.place()));
     }
     let mut out = Vec::new();
-    for (name, item) in all {
-        let Some(own) = item.section() else {
-            r.wrong(&name, item, "a table `{ min = ..., max = ... }`");
-            continue;
-        };
+    for (name, own) in r.tables(root, "free", "a table `{ min = ..., max = ... }`") {
         r.known(&own, &["start", "min", "max", "tied"]);
         let [start, min, max] = ["start", "min", "max"].map(|key| value(r, &own, key));
-        check(r, &name, item, [&min, &start]);
-        check(r, &name, item, [&start, &max]);
-        check(r, &name, item, [&min, &max]);
-        let span = r.place(item);
+        check(r, &name, &own, [&min, &start]);
+        check(r, &name, &own, [&start, &max]);
+        check(r, &name, &own, [&min, &max]);
+        let span = own.place();
         let targets = r.texts(&own, "tied").unwrap_or_else(|| vec![name.clone()]);
         match (min, max) {
             (Some(min), Some(max)) => out.push(Range { name, targets, start, min, max, span }),
@@ -240,19 +212,18 @@ fn free(r: &mut Reader<'_>, root: &Section<'_>) -> Vec<Range> {
 }
 
 /// Reports values that do not increase.
-fn check(r: &mut Reader<'_>, name: &str, item: Item<'_>, ends: [&Option<Value>; 2]) {
+fn check(r: &mut Reader<'_>, name: &str, own: &Section<'_>, ends: [&Option<Value>; 2]) {
     if let [Some(a), Some(b)] = ends
         && a.quantity.value > b.quantity.value
     {
-        let place = r.place(item);
-        r.report(Diagnostic::new(DesignCause::EmptyRange { name: name.to_owned() }, place));
+        r.report(Diagnostic::new(DesignCause::EmptyRange { name: name.to_owned() }, own.place()));
     }
 }
 
 /// A number, or a string with a unit.
 fn value(r: &mut Reader<'_>, section: &Section<'_>, key: &str) -> Option<Value> {
     let item = section.get(key)?;
-    let span = r.place(item);
+    let span = item.place();
     let text = item.written().unwrap_or_else(|| key.to_owned());
     let quantity = quantity::read(&text).filter(|q| q.value.is_finite() && item.flag().is_none());
     if quantity.is_none() {

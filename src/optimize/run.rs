@@ -36,6 +36,8 @@ const VIOLATION: f64 = 1e-6;
 pub struct Request<'a> {
     /// The plan file.
     pub plan: PathBuf,
+    /// Its text, if a front end holds it.
+    pub text: Option<String>,
     /// The value of `MODELICAPATH`.
     pub modelica_path: Option<OsString>,
     /// Threads.
@@ -68,7 +70,7 @@ pub enum OptimizeError {
 
 /// Optimizes the design of a plan.
 pub fn run(request: &Request<'_>, session: &mut Session) -> Result<Optimum, OptimizeError> {
-    let text = readable(&request.plan)?;
+    let text = request.text.clone().map_or_else(|| readable(&request.plan), Ok)?;
     let found = plan::read(&request.plan, &text, &mut session.sources, &mut session.problems);
     let plan = found.ok_or(CompileError::Request)?;
     let original = readable(&plan.model)?;

@@ -3,18 +3,20 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use super::annotation::may_hold_tests;
+
 /// The end of the name of each test file.
 pub const EXTENSION: &str = ".test.toml";
 
-/// The test files of a path: itself, or those in a folder and the folders in it, sorted. Hidden folders are skipped. The
-/// error is a message.
+/// The files with tests of a path: itself, or those in a folder and the folders in it, sorted. Hidden folders are skipped.
+/// The error is a message.
 pub fn discover(path: &Path) -> Result<Vec<PathBuf>, String> {
     let data = fs::metadata(path).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
     if data.is_file() {
-        return match is_test(path) {
+        return match is_test(path) || is_model(path) {
             true => Ok(vec![path.to_owned()]),
             false => Err(format!(
-                "{} is not a test file: their names end in `{EXTENSION}`",
+                "{} is neither a test file, `NAME{EXTENSION}`, nor a model with tests, `.mo` or `.mol`",
                 path.display()
             )),
         };
@@ -34,14 +36,23 @@ fn search(folder: &Path, found: &mut Vec<PathBuf>) {
         // A link to a folder may lead back to where it is.
         if entry.file_type().is_ok_and(|t| t.is_dir()) && !is_hidden {
             search(&path, found);
-        } else if is_test(&path) && path.is_file() {
+        } else if path.is_file() && (is_test(&path) || is_model(&path) && mentions_tests(&path)) {
             found.push(path);
         }
     }
 }
 
-fn is_test(path: &Path) -> bool {
+/// Whether a file is a test file.
+pub fn is_test(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().ends_with(EXTENSION))
+}
+
+fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "mo" || extension == "mol")
+}
+
+fn mentions_tests(path: &Path) -> bool {
+    fs::read_to_string(path).is_ok_and(|source| may_hold_tests(&source))
 }
 
 /// The name of a test file without its extension: `valve52` of `examples/valve52.test.toml`.

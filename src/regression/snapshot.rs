@@ -1,5 +1,6 @@
 //! Snapshots: files that hold what a run was when its test was accepted.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::files;
@@ -41,17 +42,23 @@ impl Snapshot {
     }
 }
 
-/// The folder of the snapshots of a test file: `examples/valve52.test` of `examples/valve52.test.toml`.
+/// The folder of the snapshots of a file with tests: `valve52.test` of `valve52.test.toml`, `Valve.mo.test` of
+/// `Valve.mo`.
 pub fn folder(file: &Path) -> PathBuf {
-    file.with_extension("")
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    match files::is_test(file) {
+        true => file.with_extension(""),
+        false => file.with_file_name(format!("{name}.test")),
+    }
 }
 
-/// Snapshots of a file that none of its tests has.
-pub fn unused(file: &Path, tests: &[Test]) -> Vec<PathBuf> {
+/// Snapshots that none of all tests has, in the folders that have some.
+pub fn unused(tests: &[Test]) -> Vec<PathBuf> {
     let kinds = [FLAT, BLOCKS, EVENTS, TRACES];
-    let used: Vec<PathBuf> =
-        tests.iter().flat_map(|test| kinds.map(|kind| Snapshot::path(test, kind))).collect();
-    let mut all = files::inside(&folder(file));
+    let path = |test: &Test| kinds.map(|kind| Snapshot::path(test, kind));
+    let used: BTreeSet<PathBuf> = tests.iter().flat_map(path).collect();
+    let folders: BTreeSet<PathBuf> = tests.iter().map(|test| folder(&test.file)).collect();
+    let mut all: Vec<PathBuf> = folders.iter().flat_map(|folder| files::inside(folder)).collect();
     let is_snapshot =
         |path: &PathBuf| kinds.iter().any(|kind| path.to_string_lossy().ends_with(kind));
     all.retain(|path| is_snapshot(path) && !used.contains(path));

@@ -3,14 +3,14 @@
 //! A file names a model and holds tests; a test is a run, or a run for each combination of varied parameters, and what is
 //! expected of it. `docs/guide/test.md` describes the keys.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use super::cause::TestCause;
 use super::files;
 use crate::base::diag::{Diagnostic, Problems};
+use crate::base::document::{Item, Section};
 use crate::base::source::SourceMap;
-use crate::base::toml_file::{Item, Reader, Section, read as read_toml};
+use crate::base::toml_file::{Reader, read as read_toml};
 use crate::compare::tolerance::Tolerance;
 use crate::driver::quantity;
 
@@ -87,10 +87,8 @@ pub struct Bounded {
 }
 
 const TOP: [&str; 5] = ["model", "name", "libraries", "tolerances", "test"];
-const TEST: [&str; 14] = [
-    "name",
-    "model",
-    "model_name",
+/// The keys of each test, wherever it is written.
+pub(super) const TEST: [&str; 11] = [
     "set",
     "vary",
     "stop",
@@ -122,24 +120,15 @@ fn tests(r: &mut Reader<'_>, root: &Section<'_>, path: &Path) -> Vec<Test> {
     let name = r.text(root, "name");
     let folders = r.texts(root, "libraries").unwrap_or_default();
     let libraries: Vec<PathBuf> = folders.into_iter().map(|folder| base.join(folder)).collect();
-    let mut general = Tolerance::default();
-    if let Some(section) = r.section(root, "tolerances") {
-        r.known(&section, &TOLERANCES);
-        general = tolerance(r, &section, general);
-    }
+    let general = tolerances(r, root);
     let sections = r.sections(root, "test");
     if root.get("test").is_none() {
         r.missing("[[test]]", root);
     }
     let mut out = Vec::new();
-    let mut names = BTreeSet::new();
     for section in sections {
-        r.known(&section, &TEST);
-        let own_name = r.text(&section, "name");
-        if section.get("name").is_none() {
-            r.missing("name", &section);
-        }
-        let title = own_name.unwrap_or_default();
+        r.known(&section, &[&["name", "model", "model_name"], &TEST[..]].concat());
+        let title = r.required(&section, "name");
         let own_model = r.text(&section, "model").map(|file| base.join(file));
         let model_name = r.text(&section, "model_name").or_else(|| name.clone());
         let file = match own_model.or_else(|| model.clone()) {
@@ -147,30 +136,63 @@ fn tests(r: &mut Reader<'_>, root: &Section<'_>, path: &Path) -> Vec<Test> {
             None if model_name.is_some() => None,
             None => own_file(r, &section, path),
         };
-        let test = Test {
-            file: path.to_owned(),
-            name: title.clone(),
-            model: file,
-            model_name,
-            libraries: libraries.clone(),
-            settings: settings(r, &section),
-            stop: r.size(&section, "stop"),
-            interval: r.size(&section, "interval"),
-            tolerance: r.size(&section, "tolerance"),
-            expected: expected(r, &section, &title, general, base),
-        };
-        for run in varied(r, &section, test) {
-            if !names.insert(file_name(&run.name)) {
-                let place = r.place_of(&section);
-                r.report(Diagnostic::new(
-                    TestCause::DuplicateTest { name: run.name.clone() },
-                    place,
-                ));
-            }
-            out.push(run);
-        }
+        let libraries = libraries.clone();
+        let subject = Subject { file: path, model: file, model_name, libraries };
+        add_runs(r, &section, title, subject, general, &mut out);
     }
     out
+}
+
+/// What a test is about.
+pub(super) struct Subject<'p> {
+    /// The file of the test.
+    pub file: &'p Path,
+    /// The file of the model.
+    pub model: Option<PathBuf>,
+    /// Full name of the model.
+    pub model_name: Option<String>,
+    /// Folders of libraries.
+    pub libraries: Vec<PathBuf>,
+}
+
+/// Adds the runs of a test to those of its file.
+pub(super) fn add_runs(
+    r: &mut Reader<'_>,
+    section: &Section<'_>,
+    title: String,
+    subject: Subject<'_>,
+    general: Tolerance,
+    out: &mut Vec<Test>,
+) {
+    let base = subject.file.parent().unwrap_or(Path::new(""));
+    let test = Test {
+        file: subject.file.to_owned(),
+        model: subject.model,
+        model_name: subject.model_name,
+        libraries: subject.libraries,
+        settings: r.settings(section, "set"),
+        stop: r.size(section, "stop"),
+        interval: r.size(section, "interval"),
+        tolerance: r.size(section, "tolerance"),
+        expected: expected(r, section, &title, general, base),
+        name: title,
+    };
+    for run in varied(r, section, test) {
+        let stem = file_name(&run.name);
+        if out.iter().any(|known| file_name(&known.name) == stem) {
+            let cause = TestCause::DuplicateTest { name: run.name.clone() };
+            r.report(Diagnostic::new(cause, section.place()));
+        }
+        out.push(run);
+    }
+}
+
+/// The tolerances for all tests of a file.
+pub(super) fn tolerances(r: &mut Reader<'_>, root: &Section<'_>) -> Tolerance {
+    let general = Tolerance::default();
+    let Some(section) = r.section(root, "tolerances") else { return general };
+    r.known(&section, &TOLERANCES);
+    tolerance(r, &section, general)
 }
 
 /// The file of the same name as that of the tests.
@@ -181,23 +203,10 @@ fn own_file(r: &mut Reader<'_>, section: &Section<'_>, path: &Path) -> Option<Pa
     let found = candidates.iter().find(|file| files::exists(file)).cloned();
     if found.is_none() {
         let wanted = candidates.map(|file| format!("`{}`", file.display())).join(" nor ");
-        let place = r.place_of(section);
+        let place = section.place();
         r.report(Diagnostic::new(TestCause::NoModelOfTests { wanted }, place));
     }
     found
-}
-
-/// The parameters of `set`.
-fn settings(r: &mut Reader<'_>, section: &Section<'_>) -> Vec<String> {
-    let Some(set) = r.section(section, "set") else { return Vec::new() };
-    let mut out = Vec::new();
-    for (name, item) in set.entries() {
-        match item.written() {
-            Some(value) => out.push(format!("{name}={value}")),
-            None => r.wrong(&name, item, "a number, a string, `true` or `false`"),
-        }
-    }
-    out
 }
 
 /// A test for each combination of the values in `vary`.
@@ -267,7 +276,7 @@ fn expected(
     };
     if expected == Expected::default() {
         let cause = TestCause::NothingExpected { name: name.to_owned() };
-        let place = r.place_of(section);
+        let place = section.place();
         r.report(Diagnostic::new(cause, place));
     }
     expected
@@ -277,24 +286,15 @@ fn traces(r: &mut Reader<'_>, section: &Section<'_>, general: Tolerance, base: &
     r.known(section, &["variables", "relative", "absolute", "time", "each", "reference", "names"]);
     let general = tolerance(r, section, general);
     let mut each = Vec::new();
-    if let Some(all) = r.section(section, "each") {
-        for (name, item) in all.entries() {
-            match item.section() {
-                Some(own) => {
-                    r.known(&own, &TOLERANCES);
-                    each.push((name, tolerance(r, &own, general)));
-                }
-                None => r.wrong(&name, item, "a table `{ ... }`"),
-            }
-        }
+    for (name, own) in r.tables(section, "each", "a table `{ ... }`") {
+        r.known(&own, &TOLERANCES);
+        each.push((name, tolerance(r, &own, general)));
     }
     let mut names = Vec::new();
-    if let Some(all) = r.section(section, "names") {
-        for (name, item) in all.entries() {
-            match item.text() {
-                Some(other) => names.push((name, other)),
-                None => r.wrong(&name, item, "a string in quotes"),
-            }
+    for (name, item) in r.entries(section, "names") {
+        match item.text() {
+            Some(other) => names.push((name, other)),
+            None => r.wrong(&name, item, "a string in quotes"),
         }
     }
     Traces {
@@ -315,23 +315,14 @@ fn tolerance(r: &mut Reader<'_>, section: &Section<'_>, general: Tolerance) -> T
 }
 
 fn measures(r: &mut Reader<'_>, section: &Section<'_>) -> Vec<Bounded> {
-    let Some(all) = r.section(section, "measures") else { return Vec::new() };
     let mut out = Vec::new();
-    for (name, item) in all.entries() {
-        let Some(own) = item.section() else {
-            r.wrong(&name, item, "a table `{ ... }`");
-            continue;
-        };
+    for (name, own) in r.tables(section, "measures", "a table `{ ... }`") {
         r.known(&own, &["is", "min", "max", "never"]);
-        if own.get("is").is_none() {
-            r.missing("is", &own);
-        }
-        let expression = r.text(&own, "is").unwrap_or_default();
+        let expression = r.required(&own, "is");
         let (min, max) = (bound(r, &own, "min"), bound(r, &own, "max"));
         let never = r.flag(&own, "never");
         if own.get("min").is_none() && own.get("max").is_none() && !never {
-            let place = r.place(item);
-            r.report(Diagnostic::new(TestCause::NoBounds { name: name.clone() }, place));
+            r.report(Diagnostic::new(TestCause::NoBounds { name: name.clone() }, own.place()));
         }
         out.push(Bounded { name, expression, min, max, never });
     }
@@ -347,7 +338,7 @@ fn bound(r: &mut Reader<'_>, section: &Section<'_>, key: &str) -> Option<f64> {
     };
     if value.is_none() {
         let text = item.written().unwrap_or_else(|| key.to_owned());
-        let place = r.place(item);
+        let place = item.place();
         r.report(Diagnostic::new(TestCause::NotAQuantity { text }, place));
     }
     value

@@ -38,6 +38,9 @@ pub enum SweepError {
     /// Trajectories cannot be kept in a table.
     #[error("the trajectories of the runs need a folder: `--output DIR`, not a file")]
     NoFolder,
+    /// A part of a sweep cannot be printed.
+    #[error("shards share files: name a file or a folder with `--output`, not `-`")]
+    PipedShard,
     /// The table cannot have this format.
     #[error("cannot write the table of a sweep to `{0}`; give a folder, a .csv or a .parquet file")]
     Format(String),

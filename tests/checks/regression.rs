@@ -216,9 +216,13 @@ fn wrong_use_has_one_message_and_status_2() {
         assert_eq!((ended.status, ended.out.as_str()), (2, ""), "{more:?}");
         ended.err
     };
-    assert_eq!(said(&empty, &[]), "error: there is no test file, NAME.test.toml, in .\n");
+    let nothing = "neither a file NAME.test.toml nor a model with `__mocc(tests(...))`\n";
+    assert_eq!(said(&empty, &[]), format!("error: there are no tests in .: {nothing}"));
     assert!(said(&folder, &["none"]).starts_with("error: cannot read none: "));
-    assert!(said(&folder, &["ramp.mo"]).contains("ramp.mo is not a test file"));
+    let err = said(&folder, &["ramp.mo"]);
+    assert_eq!(err, format!("error: there are no tests in ramp.mo: {nothing}"));
+    folder.file("ramp.csv", "time,x\n");
+    assert!(said(&folder, &["ramp.csv"]).contains("ramp.csv is neither a test file"));
     assert_eq!(said(&folder, &["--filter", "zzz"]), "error: no test matches `zzz`; there are 1\n");
     assert!(said(&folder, &["--jobs", "0"]).contains("--jobs"));
     assert!(said(&folder, &["--review", "page.txt"]).contains("must end in .html"));
@@ -229,6 +233,65 @@ fn wrong_use_has_one_message_and_status_2() {
             && err.contains("did you mean `traces`?"),
         "{err}"
     );
+}
+
+/// The model of the tests in annotations, within a package.
+fn annotated(tests: &str) -> String {
+    let model = MODEL.replace(
+        "annotation(experiment(StopTime = 1, Interval = 0.01));",
+        &format!("annotation(experiment(StopTime = 1, Interval = 0.01), __mocc(tests({tests})));"),
+    );
+    format!("package P\n{model}end P;\n")
+}
+
+#[test]
+fn tests_in_annotations_are_those_of_files() {
+    const TESTS: &str = "all(flat = true, blocks = true, events(time = 1e-3), traces(variables = {\"x\", \"y\"}, \
+                         time = 1e-3), diagnostics = {}, measures(t_half(is = \"when(x > 0.5)\", min = \"0.79 s\", \
+                         max = 0.81))), 'other gain'(vary(gain = {1, 2}), stop = 0.5, measures(y_max(is = \"max(y)\", \
+                         max = \"2.1\")))";
+    let folder = Scratch::new();
+    folder.file("ramp.mo", &annotated(TESTS));
+    let ended = test(&folder, &["--update"]);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{}", ended.out);
+    assert!(folder.path().join("ramp.mo.test/P.Ramp.all.traces.csv").is_file());
+    let ended = test(&folder, &["ramp.mo"]);
+    assert!(ended.out.contains("pass  ramp.mo: P.Ramp.other gain[gain=2] "), "{}", ended.out);
+    assert!(ended.out.ends_with("3 passed, 0 failed\n"), "{}", ended.out);
+    // An event within its tolerance, and one beyond it.
+    let moved = |by: &str| {
+        folder.file("ramp.mo", &annotated(TESTS).replace("t_on = 0.3", by));
+        test(&folder, &["--filter", "all"])
+    };
+    let within = moved("t_on = 0.3005");
+    assert!(!within.out.contains("events:") && !within.out.contains("traces:"), "{}", within.out);
+    assert!(moved("t_on = 0.303").out.contains("events:"));
+    // A trace that is off by 1 %.
+    folder.file("ramp.mo", &annotated(TESTS).replace("gain*sin", "1.01*gain*sin"));
+    let off = test(&folder, &["--filter", "all"]);
+    assert_eq!(off.status, 1);
+    assert!(off.out.contains("traces: `y` is "), "{}", off.out);
+}
+
+#[test]
+fn errors_in_annotations_have_a_place() {
+    let folder = Scratch::new();
+    let said = |tests: &str| {
+        folder.file("ramp.mo", &annotated(tests));
+        let ended = test(&folder, &[]);
+        assert_eq!((ended.status, ended.out.as_str()), (2, ""), "{tests}");
+        ended.err
+    };
+    let err = said("all(trace = true, flat = true)");
+    assert!(err.contains("error[MO1402]: unknown key `trace`"), "{err}");
+    assert!(err.contains("ramp.mo:10:"), "{err}");
+    assert!(said("all(flat = 1)").contains("error[MO1403]: `flat` must be `true` or `false`"));
+    assert!(said("all = true").contains("`all` must be a test `NAME(...)`"));
+    assert!(said("all(stop = 1)").contains("error[MO1405]"));
+    assert!(said("a(flat = true), a(flat = true)").contains("error[MO1404]"));
+    // A source that cannot be read may have tests.
+    folder.file("ramp.mo", "model Ramp __mocc tests");
+    assert!(test(&folder, &[]).err.contains("error[MO00"));
 }
 
 #[test]

@@ -324,3 +324,117 @@ fn quiet_commands_print_nothing() {
         assert_eq!((ended.out.as_str(), ended.err.as_str()), ("", ""), "{arguments:?}");
     }
 }
+
+/// `Pump` is in `Pump.mo`, and `Parts` in a folder, next to the model.
+#[test]
+fn classes_next_to_the_model_are_found() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    let part = |name: &str, value: f64| {
+        format!("model {name} \"Something\"\n  Real x = {value};\nend {name};\n")
+    };
+    folder.file("main.mo", "model Main\n  Pump pump;\n  Parts.Valve valve;\nend Main;\n");
+    folder.file("Pump.mo", &part("Pump", 1.0));
+    fs::create_dir_all(path.join("Parts")).expect("a folder");
+    folder.file("Parts/package.mo", "package Parts\nend Parts;\n");
+    folder.file("Parts/Valve.mo", &format!("within Parts;\n{}", part("Valve", 2.0)));
+    // A file of another model may have the name of a class by chance, and folders are no packages.
+    folder.file("pump.mo", &part("Other", 3.0));
+    fs::create_dir_all(path.join("data")).expect("a folder");
+    let flat = done(path, &["flatten", "main.mo"]).out;
+    assert!(flat.contains("'pump.x' = 1") && flat.contains("'valve.x' = 2"), "{flat}");
+    let parent = path.parent().expect("a folder");
+    let name = format!("{}/main.mo", path.file_name().expect("a name").to_string_lossy());
+    assert_eq!(done(parent, &["flatten", &name]).out, flat);
+    // The standard input is in the working directory.
+    let main = fs::read_to_string(path.join("main.mo")).expect("the model");
+    assert_eq!(piped(path, &["flatten", "-"], &main).out, flat);
+    // A library that is named comes first.
+    fs::create_dir_all(path.join("lib")).expect("a folder");
+    folder.file("lib/Pump.mo", &part("Pump", 4.0));
+    assert!(done(path, &["flatten", "main.mo", "--lib", "lib"]).out.contains("'pump.x' = 4"));
+    // Errors in them are shown with their place.
+    folder.file("Pump.mo", "model Pump\n  Real x = y;\nend Pump;\n");
+    let ended = mocc(path, &["check", "main.mo"]);
+    assert!(ended.status == 1 && ended.err.contains("Pump.mo:2:12"), "{}", ended.err);
+    folder.file("Pump.mo", "");
+    assert!(mocc(path, &["check", "main.mo"]).err.contains("error[MO0201]"));
+}
+
+#[test]
+fn results_and_plans_go_through_pipes() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    folder.file(
+        "tank.mo",
+        "model Tank\n  parameter Real k = 1;\n  Real x(start = 1, fixed = true);\n  output Real y = 2*x;\n\
+         equation\n  der(x) = -k*x;\nend Tank;\n",
+    );
+    let plan = "model = \"tank.mo\"\ngoal = { minimize = \"at(x, 1)\" }\nfree = { k = { min = 0.5, max = 2 } }\n";
+    let ended = piped(path, &["optimize", "-"], plan);
+    assert_eq!(ended.status, 0, "{}{}", ended.out, ended.err);
+    assert!(path.join("stdin-design/design.json").is_file());
+    let ended = piped(path, &["optimize", "-"], "model = 1");
+    assert!(ended.status == 2 && ended.err.contains("stdin.toml:1:9"), "{}", ended.err);
+    for command in ["calibrate", "diagnose", "evaluate"] {
+        let ended = piped(path, &[command, "-"], "model = 1");
+        assert!(ended.status == 2 && ended.err.contains("stdin.toml:1:9"), "{}", ended.err);
+    }
+    done(path, &["simulate", "tank.mo", "--output", "run.csv", "--quiet"]);
+    let run = fs::read_to_string(path.join("run.csv")).expect("the run");
+    let ended = piped(path, &["compare", "-", "run.csv"], &run);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{}", ended.out);
+    assert!(refused(path, &["compare", "-", "-"]).contains("only one"));
+    assert!(piped(path, &["compare", "run.csv", "-"], "a").status == 2);
+    assert!(done(path, &["plot", "run.csv", "--output", "-"]).out.starts_with("<svg"));
+    let page = done(path, &["report", "tank.mo", "--output", "-"]).out;
+    assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"));
+    assert!(done(path, &["structure", "tank.mo", "--dot", "-"]).out.starts_with("digraph"));
+    assert!(done(path, &["structure", "tank.mo", "--svg", "-"]).out.starts_with("<svg"));
+    for command in ["steady", "linearize"] {
+        let json = done(path, &[command, "tank.mo", "--json", "-"]).out;
+        serde_json::from_str::<serde_json::Value>(&json)
+            .unwrap_or_else(|why| panic!("{why}: {json}"));
+    }
+    let vary = ["--vary", "k=1,2", "--measure", "x_1 = at(x, 1)"];
+    let sweep = |file: &str, output: &str, input: &str| {
+        piped(path, &[&["sweep", file, "--output", output][..], &vary].concat(), input)
+    };
+    let tank = fs::read_to_string(path.join("tank.mo")).expect("the model");
+    let printed = sweep("-", "-", &tank);
+    assert_eq!((printed.status, printed.err.as_str()), (0, ""));
+    assert_eq!(sweep("tank.mo", "table.csv", "").status, 0);
+    assert_eq!(printed.out, fs::read_to_string(path.join("table.csv")).expect("the table"));
+    assert_eq!(sweep("tank.mo", "table.xlsx", "").status, 2);
+    assert!(refused(path, &["plan", "-", "."]).contains("save the model"));
+    assert!(!path.join("-").exists());
+}
+
+#[test]
+fn quiet_commands_print_nothing_but_errors() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    folder.file(
+        "a.mo",
+        "model A\n  Real x(start = 1, fixed = true);\nequation\n  der(x) = -x;\nend A;\n",
+    );
+    for arguments in [
+        &["flatten", "a.mo"][..],
+        &["structure", "a.mo"],
+        &["check", "a.mo"],
+        &["fmt", "--check", "a.mo"],
+        &["steady", "a.mo"],
+        &["linearize", "a.mo"],
+        &["lib", "list"],
+        &["man", "pages"],
+        &["report", "a.mo"],
+        &["simulate", "a.mo"],
+    ] {
+        let all: Vec<&str> = arguments.iter().copied().chain(["--quiet"]).collect();
+        assert_eq!(done(path, &all).out, "", "{arguments:?}");
+    }
+    folder.file("b.mo", "model B\n  Real x = y;\nend B;\n");
+    let ended = mocc(path, &["check", "b.mo", "-q"]);
+    assert_eq!((ended.status, ended.out.as_str()), (1, ""));
+    assert!(ended.err.contains("error[MO0202]"));
+}

@@ -33,6 +33,9 @@ pub struct Check {
     /// Limits.
     #[command(flatten)]
     pub limits: Limits,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 /// Severity of mismatched units.
@@ -61,6 +64,20 @@ pub struct Format {
     /// Write nothing; list the files that would change, and exit with status 1 if there are any.
     #[arg(long)]
     pub check: bool,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// The model whose equations are printed.
+#[derive(Args, Debug)]
+pub struct Flatten {
+    /// The model.
+    #[command(flatten)]
+    pub model: Model,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 /// The output of the block structure.
@@ -69,12 +86,15 @@ pub struct Structure {
     /// The model.
     #[command(flatten)]
     pub model: Model,
-    /// Draw the incidence matrix in block lower triangular order instead, .svg or .png.
+    /// Draw the incidence matrix in block lower triangular order instead, .svg or .png; `-` prints it as SVG.
     #[arg(long, value_name = "PATH", value_parser = picture)]
     pub svg: Option<PathBuf>,
-    /// Write the blocks and their dependencies as a Graphviz graph instead.
+    /// Write the blocks and their dependencies as a Graphviz graph instead; `-` prints it.
     #[arg(long, value_name = "PATH")]
     pub dot: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 impl Check {

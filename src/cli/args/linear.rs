@@ -19,9 +19,12 @@ pub struct Point {
     /// Relative tolerance of the simulation up to the point [default: annotation, else 1e-6].
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
-    /// Write the result as JSON.
+    /// Write the result as JSON; `-` prints it in place of the text.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 /// A steady state.

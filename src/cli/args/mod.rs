@@ -18,9 +18,8 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use super::Status;
 use export::Export;
-use inspect::{Check, Explain, Format, Structure};
+use inspect::{Check, Explain, Flatten, Format, Structure};
 use linear::{Linearize, Steady};
-use model::Model;
 use project::{Completions, Doc, Library, Man, New, Test};
 use results::{Compare, Plot};
 use runs::{Report, Simulate, Sweep, Watch};
@@ -73,7 +72,7 @@ pub enum Command {
     #[command(name = "fmt")]
     Format(Format),
     /// Print the flat model: all variables and equations as one Modelica model.
-    Flatten(Model),
+    Flatten(Flatten),
     /// Fit the free parameters of a plan to recordings.
     Calibrate(Calibrate),
     /// Find the physical effects that a model lacks, from recordings.

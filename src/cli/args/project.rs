@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::values::page;
+use super::values::page_file;
 
 /// Tests of models.
 #[derive(Args, Debug)]
@@ -21,14 +21,14 @@ pub struct Test {
     /// Number of threads [default: all cores].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub jobs: Option<u64>,
-    /// Write the outcomes as JUnit XML.
+    /// Write the outcomes as JUnit XML; `-` prints it in place of the text.
     #[arg(long, value_name = "FILE")]
     pub junit: Option<PathBuf>,
     /// Print the outcomes as JSON on standard output.
     #[arg(long)]
     pub json: bool,
     /// Page with the changes, .html, written if there are any.
-    #[arg(long, value_name = "FILE", default_value = "mocc-test.html", value_parser = page)]
+    #[arg(long, value_name = "FILE", default_value = "mocc-test.html", value_parser = page_file)]
     pub review: PathBuf,
     /// Print nothing but errors.
     #[arg(long, short)]
@@ -80,6 +80,9 @@ pub struct Library {
     /// Folder with libraries, in addition to MODELICAPATH and the shipped library; repeatable.
     #[arg(long = "lib", value_name = "DIR", global = true)]
     pub folders: Vec<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
 }
 
 /// A look at libraries.
@@ -119,6 +122,9 @@ pub struct Man {
     /// Folder for the pages: mocc.1 and one for each command.
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 /// Pages of a library.

@@ -4,15 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::values::{ends, picture, tolerance};
+use super::values::{ends, picture, picture_file, tolerance};
 
 /// Two results.
 #[derive(Args, Debug)]
 pub struct Compare {
-    /// Result of a run, in one of the formats of results.
+    /// Result of a run, in one of the formats of results; `-` reads CSV from standard input.
     #[arg(value_name = "FILE")]
     pub found: PathBuf,
-    /// Result that it is compared with.
+    /// Result that it is compared with, likewise.
     #[arg(value_name = "REFERENCE")]
     pub reference: PathBuf,
     /// Variables to compare, separated by commas; `*` means any characters [default: those that both have].
@@ -31,7 +31,7 @@ pub struct Compare {
     #[arg(long, allow_negative_numbers = true, value_name = "T", value_parser = tolerance)]
     pub time: Option<f64>,
     /// Draw the variables that differ most, .svg or .png.
-    #[arg(long, value_name = "PATH", value_parser = picture)]
+    #[arg(long, value_name = "PATH", value_parser = picture_file)]
     pub plot: Option<PathBuf>,
     /// Print the differences as JSON on standard output.
     #[arg(long)]
@@ -44,7 +44,7 @@ pub struct Compare {
 /// A chart.
 #[derive(Args, Debug)]
 pub struct Plot {
-    /// Tables, .csv, each with an optional label.
+    /// Tables, .csv, each with an optional label; `-` is the standard input.
     #[arg(value_name = "FILE[=LABEL]", required = true)]
     pub tables: Vec<String>,
     /// Second group of tables, drawn next to the first on the same axes.
@@ -72,7 +72,7 @@ pub struct Plot {
     /// Heading of the first group of tables; repeat for the second.
     #[arg(long = "heading", value_name = "TEXT")]
     pub headings: Vec<String>,
-    /// Picture, .svg or .png [default: the first FILE with .svg].
+    /// Picture, .svg or .png; `-` prints it as SVG [default: the first FILE with .svg].
     #[arg(long, value_name = "PATH", value_parser = picture)]
     pub output: Option<PathBuf>,
     /// Print nothing but errors.

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::model::{Limits, Model};
 use super::running::Running;
-use super::values::{page, picture, unit_of};
+use super::values::{page, picture_file, unit_of};
 use crate::io::format::extensions;
 
 /// A run.
@@ -28,7 +28,7 @@ pub struct Simulate {
     #[arg(long = "unit", value_name = "NAME=UNIT", value_parser = unit_of)]
     pub units: Vec<(String, String)>,
     /// Picture, .svg or .png [default: FILE with .svg; none if only --output is given].
-    #[arg(long, value_name = "PATH", value_parser = picture)]
+    #[arg(long, value_name = "PATH", value_parser = picture_file)]
     pub plot: Option<PathBuf>,
     /// Variables to draw, separated by commas.
     #[arg(long, value_name = "NAME,...")]
@@ -71,11 +71,11 @@ pub struct Report {
     /// Simulation options.
     #[command(flatten)]
     pub running: Running,
-    /// The page, .html [default: FILE with _report.html; none if only --diagram is given].
+    /// The page, .html; `-` prints it [default: FILE with _report.html; none if only --diagram is given].
     #[arg(long, value_name = "PATH", value_parser = page)]
     pub output: Option<PathBuf>,
     /// Draw the components and their connections, .svg or .png.
-    #[arg(long, value_name = "PATH", value_parser = picture)]
+    #[arg(long, value_name = "PATH", value_parser = picture_file)]
     pub diagram: Option<PathBuf>,
     /// Add a run with other parameters, "LABEL: NAME=VALUE, ..."; repeatable.
     #[arg(long = "run", value_name = "RUN")]
@@ -127,7 +127,7 @@ pub struct Sweep {
     /// Number of threads [default: all cores].
     #[arg(long, value_name = "N")]
     pub jobs: Option<usize>,
-    /// Folder for the results, or a table as .csv or .parquet.
+    /// Folder for the results, or a table as .csv or .parquet; `-` prints it as CSV.
     #[arg(long, value_name = "PATH")]
     pub output: PathBuf,
     /// Start again and replace existing results.

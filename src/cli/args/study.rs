@@ -1,10 +1,10 @@
 //! Arguments of the commands with a plan: `plan`, `calibrate`, `diagnose`, `evaluate`, `optimize`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::model::request;
+use super::model::{is_standard, request};
 use super::values::seconds;
 use crate::driver::compile::Request;
 
@@ -26,6 +26,9 @@ pub struct PlanSkeleton {
     /// Folder with libraries, in addition to MODELICAPATH and the shipped library; repeatable.
     #[arg(long = "lib", value_name = "DIR")]
     pub folders: Vec<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 impl PlanSkeleton {
@@ -38,7 +41,7 @@ impl PlanSkeleton {
 /// A plan, and the folders of its recordings and results.
 #[derive(Args, Debug)]
 pub struct Study {
-    /// Plan file, TOML: the model, the recordings, the free parameters.
+    /// Plan file, TOML: the model, the recordings, the free parameters; `-` is the standard input.
     #[arg(value_name = "PLAN")]
     pub plan: PathBuf,
     /// Folder of the recordings [default: the plan's].
@@ -56,9 +59,17 @@ impl Study {
     /// The folder for the results of a kind, `calibration` or `diagnosis`.
     pub fn folder(&self, kind: &str) -> PathBuf {
         self.out.clone().unwrap_or_else(|| {
-            let stem = self.plan.file_stem().unwrap_or_default().to_string_lossy();
+            let stem = stem(&self.plan);
             format!("{stem}-{kind}").into()
         })
+    }
+}
+
+/// The name of the results of a plan: that of its file, or `stdin`.
+pub fn stem(plan: &Path) -> String {
+    match is_standard(plan) {
+        true => "stdin".to_owned(),
+        false => plan.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
     }
 }
 
@@ -99,7 +110,7 @@ pub struct Calibrate {
 /// A frozen model and what it is judged by.
 #[derive(Args, Debug)]
 pub struct Evaluate {
-    /// Plan file, TOML; or the file of a model, .mol or .mo, with --plan.
+    /// Plan file, TOML, `-` for the standard input; or the file of a model, .mol or .mo, with --plan.
     #[arg(value_name = "PLAN|MODEL")]
     pub subject: PathBuf,
     /// Plan for the model that is named first.
@@ -111,15 +122,18 @@ pub struct Evaluate {
     /// Folder of the recordings [default: the plan's].
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
-    /// Write the result as JSON.
+    /// Write the result as JSON; `-` prints it in place of the text.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
 }
 
 /// A design.
 #[derive(Args, Debug)]
 pub struct Optimize {
-    /// Plan file, TOML: the model, the goal, the limits, the free parameters.
+    /// Plan file, TOML: the model, the goal, the limits, the free parameters; `-` is the standard input.
     #[arg(value_name = "PLAN")]
     pub plan: PathBuf,
     /// Folder for the results [default: PLAN-design].

@@ -4,14 +4,28 @@ use std::path::PathBuf;
 
 use super::linear::At;
 
-/// A picture by its extension.
+/// A picture by its extension, or `-` for SVG on the standard output.
 pub fn picture(text: &str) -> Result<PathBuf, String> {
-    with_extension(text, &["svg", "png"])
+    standard(text).map_or_else(|| with_extension(text, &["svg", "png"]), Ok)
 }
 
-/// A page by its extension.
+/// A page by its extension, or `-` for the standard output.
 pub fn page(text: &str) -> Result<PathBuf, String> {
+    standard(text).map_or_else(|| with_extension(text, &["html", "htm"]), Ok)
+}
+
+/// A file of a page by its extension.
+pub fn page_file(text: &str) -> Result<PathBuf, String> {
     with_extension(text, &["html", "htm"])
+}
+
+fn standard(text: &str) -> Option<PathBuf> {
+    (text == "-").then(|| PathBuf::from(text))
+}
+
+/// A picture file by its extension.
+pub fn picture_file(text: &str) -> Result<PathBuf, String> {
+    with_extension(text, &["svg", "png"])
 }
 
 fn with_extension(text: &str, known: &[&str]) -> Result<PathBuf, String> {

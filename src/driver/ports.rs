@@ -1,0 +1,97 @@
+//! Programs of models with connections to their surroundings: inputs that are driven, outputs that are read.
+
+use super::cause::RequestCause;
+use super::compile::{CompileError, Request, Session};
+
+use crate::base::diag::{Diagnostic, did_you_mean};
+use crate::base::source::Span;
+use crate::ir::expr::{Const, Type};
+use crate::ir::flat::{Causality, FlatModel, Variability, Variable};
+use crate::ir::program::Program;
+
+/// The connections of a model to its surroundings: Real variables at its top level.
+#[derive(Clone, Debug, Default)]
+pub struct Ports {
+    /// Names of the inputs without a value.
+    pub inputs: Vec<String>,
+    /// Names of the outputs.
+    pub outputs: Vec<String>,
+}
+
+impl Session {
+    /// The program of a request, all of whose top-level inputs are driven, and the names of its inputs and outputs.
+    pub fn compile_with_ports(
+        &mut self,
+        request: &Request,
+    ) -> Result<(Program, Ports), CompileError> {
+        let mut flat = self.flatten(request)?;
+        let is_real = |v: &Variable| v.ty == Type::Real && v.variability == Variability::Continuous;
+        let of = |causality: Causality| {
+            let all =
+                flat.variables.iter().filter(move |v| is_real(v) && v.causality == Some(causality));
+            all.map(|v| (v.name.clone(), v.binding.is_none()))
+        };
+        let inputs = of(Causality::Input).filter(|(_, is_free)| *is_free).map(|(name, _)| name);
+        let outputs = of(Causality::Output).map(|(name, _)| name);
+        let ports = Ports { inputs: inputs.collect(), outputs: outputs.collect() };
+        self.drive(&mut flat, &ports.inputs)?;
+        Ok((self.compile_flat(flat, request.form)?, ports))
+    }
+
+    /// The program of a request, all of whose free inputs may be set while it runs, and the causality of its
+    /// top-level variables.
+    pub fn compile_for_export(
+        &mut self,
+        request: &Request,
+    ) -> Result<(Program, Vec<(String, Causality)>), CompileError> {
+        let mut flat = self.flatten(request)?;
+        let known = |v: &Variable| v.causality.map(|causality| (v.name.clone(), causality));
+        let is_free = |v: &Variable| v.causality != Some(Causality::Input) || v.binding.is_none();
+        let causalities = flat.variables.iter().filter(|v| is_free(v)).filter_map(known).collect();
+        let mut driven = Vec::new();
+        for k in flat.variables.ids() {
+            let v = &flat.variables[k];
+            if v.causality != Some(Causality::Input) || v.binding.is_some() {
+                continue;
+            }
+            if v.ty == Type::Real && v.variability == Variability::Continuous {
+                driven.push(v.name.clone());
+            } else if v.start.is_none() {
+                // What can be set has a start value.
+                let value = f64::from(u8::from(matches!(v.ty, Type::Enumeration(_))));
+                let start = flat.graph.constant(Const::of_type(v.ty, value));
+                flat.variables[k].start = Some(start);
+            }
+        }
+        self.drive(&mut flat, &driven)?;
+        Ok((self.compile_flat(flat, request.form)?, causalities))
+    }
+
+    /// Marks the inputs that recordings drive; each must exist and have no value of its own.
+    pub fn drive(&mut self, flat: &mut FlatModel, inputs: &[String]) -> Result<(), CompileError> {
+        for input in inputs {
+            let found = flat.variables.enumerate().find(|(_, v)| v.name == *input);
+            let open = |v: &Variable| {
+                v.ty == Type::Real
+                    && v.variability == Variability::Continuous
+                    && v.causality == Some(Causality::Input)
+            };
+            match found {
+                Some((id, v)) if v.binding.is_none() && open(v) => flat.recorded.push(id),
+                Some((_, v)) => {
+                    let cause = RequestCause::NotDrivable { name: input.clone() };
+                    self.problems.push(Diagnostic::new(cause, v.span));
+                }
+                None => {
+                    let inputs =
+                        flat.variables.iter().filter(|v| v.causality == Some(Causality::Input));
+                    let names = inputs.map(|v| v.name.as_str());
+                    let near = did_you_mean(input, names).map(str::to_owned);
+                    let cause = RequestCause::UnknownInput { name: input.clone(), near };
+                    self.problems.push(Diagnostic::new(cause, Span::NONE));
+                }
+            }
+        }
+        self.checked(CompileError::Request)
+    }
+}

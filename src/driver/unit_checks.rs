@@ -1,0 +1,53 @@
+//! Units of a flat model, and of the values that a request gives to its parameters.
+
+use super::compile::{Request, Session};
+use super::quantity;
+
+use crate::base::diag::{Diagnostic, Problems};
+use crate::ir::flat::FlatModel;
+
+impl Session {
+    /// Warns of units that do not match in the sources that the user has named. Those of libraries
+    /// are the business of `mocc check`.
+    pub(super) fn compare_units(&mut self, flat: &FlatModel, request: &Request) {
+        if !request.check_units {
+            return;
+        }
+        let mut found = Problems::new();
+        // The check adds nodes to the graph, and results must not depend on it.
+        crate::units::check(&mut flat.clone(), &mut found);
+        for d in found.iter() {
+            let file = self.sources.get(d.primary.0.file).map(|f| f.path.as_path());
+            let is_own = file.is_some_and(|path| {
+                Some(path) == request.file.as_deref() || path.starts_with("--")
+            });
+            if is_own {
+                self.problems.push(d.clone());
+            }
+        }
+    }
+
+    /// Refuses values whose units measure something else than their parameters.
+    pub(super) fn compare_quantities(&mut self, flat: &FlatModel, quantities: &[quantity::Given]) {
+        for given in quantities {
+            let Some(variable) = flat.variables.iter().find(|v| v.name == given.name) else {
+                continue;
+            };
+            let declared = quantity::scale_of(&variable.unit);
+            if declared.is_none_or(|(scale, dimension)| {
+                dimension != given.dimension || (scale.factor - 1.0).abs() > 1e-12
+            }) {
+                let cause = quantity::QuantityCause::WrongUnit {
+                    name: given.name.clone(),
+                    declared: if variable.unit.is_empty() {
+                        "1".into()
+                    } else {
+                        variable.unit.to_string()
+                    },
+                    unit: given.unit.clone(),
+                };
+                self.problems.push(Diagnostic::new(cause, variable.span));
+            }
+        }
+    }
+}
