@@ -2,17 +2,31 @@
 //! models. The pages that explain diagnostics are in the binary as well.
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
-use include_dir::{Dir, include_dir};
+use include_dir::{Dir, DirEntry, include_dir};
 
 use super::compile::Request;
 use super::neighbours::Neighbours;
+use crate::base::index::FastMap;
 use crate::ir::ast;
 use crate::resolve::library::Folder;
 use crate::resolve::version::of_entry;
 
 /// The shipped library.
 static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/lib");
+
+/// The shipped library by path: `Dir::get_entry` compares the paths of all entries.
+static SHIPPED_ENTRIES: LazyLock<FastMap<&'static Path, &'static DirEntry<'static>>> =
+    LazyLock::new(|| {
+        let mut all = FastMap::default();
+        let mut waiting = vec![&SHIPPED];
+        while let Some(dir) = waiting.pop() {
+            all.extend(dir.entries().iter().map(|entry| (entry.path(), entry)));
+            waiting.extend(dir.dirs());
+        }
+        all
+    });
 
 /// The pages that explain diagnostics.
 static ERROR_PAGES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/docs/errors");
@@ -38,7 +52,15 @@ pub fn template(name: &str) -> Vec<(&'static Path, &'static [u8])> {
 
 /// True for the name of a package that is shipped, which a class at the top level would hide.
 pub fn is_shipped(package: &str) -> bool {
-    SHIPPED.get_dir(package).is_some()
+    shipped_dir(Path::new(package)).is_some()
+}
+
+fn shipped_dir(path: &Path) -> Option<&'static Dir<'static>> {
+    SHIPPED_ENTRIES.get(path)?.as_dir()
+}
+
+fn shipped_file(path: &Path) -> Option<&'static include_dir::File<'static>> {
+    SHIPPED_ENTRIES.get(path)?.as_file()
 }
 
 /// The pages that explain diagnostics, by code: `("MO0201", "# MO0201: unknown class ...")`.
@@ -57,7 +79,7 @@ pub struct Shipped;
 
 impl Folder for Shipped {
     fn entries(&self, path: &Path) -> Vec<String> {
-        let dir = if path.as_os_str().is_empty() { Some(&SHIPPED) } else { SHIPPED.get_dir(path) };
+        let dir = if path.as_os_str().is_empty() { Some(&SHIPPED) } else { shipped_dir(path) };
         let Some(dir) = dir else { return Vec::new() };
         let name = |p: &Path| p.file_name().map(|n| n.to_string_lossy().into_owned());
         let mut all: Vec<String> =
@@ -68,13 +90,13 @@ impl Folder for Shipped {
     }
 
     fn read(&self, path: &Path) -> Option<Result<String, String>> {
-        let file = SHIPPED.get_file(path)?;
+        let file = shipped_file(path)?;
         Some(file.contents_utf8().map(str::to_string).ok_or_else(|| "not UTF-8".to_string()))
     }
 
     fn data(&self, path: &Path) -> Option<Result<Vec<u8>, String>> {
         let inside = path.strip_prefix("lib").unwrap_or(path);
-        SHIPPED.get_file(inside).map(|f| Ok(f.contents().to_vec()))
+        shipped_file(inside).map(|f| Ok(f.contents().to_vec()))
     }
 
     fn display(&self, path: &Path) -> PathBuf {
