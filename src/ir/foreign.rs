@@ -20,6 +20,8 @@ pub enum ForeignRole {
     Constant,
     /// Set from outside while the model runs.
     Input,
+    /// Computed by the model, for its surroundings.
+    Output,
     /// Computed by the model.
     Computed,
 }
@@ -96,7 +98,7 @@ pub trait ForeignModel: Debug + Send + Sync {
 }
 
 /// An instance during a run. Inputs are pairs of a value's number and the value.
-pub trait ForeignInstance {
+pub trait ForeignInstance: Send {
     /// Initialises it from `start`, s, on with these values.
     fn initialise(
         &mut self,

@@ -152,6 +152,13 @@ fn load(described: &Described, kind: &Kind, stepping: bool, folder: &Path, libra
     }
 }
 
+impl Fmu {
+    /// The token, which differs for each FMU.
+    pub fn token(&self) -> &str {
+        &self.load.token
+    }
+}
+
 impl ForeignModel for Fmu {
     fn file(&self) -> &str {
         &self.file
