@@ -98,7 +98,7 @@ pub trait ForeignModel: Debug + Send + Sync {
 }
 
 /// An instance during a run. Inputs are pairs of a value's number and the value.
-pub trait ForeignInstance: Send {
+pub trait ForeignInstance {
     /// Initialises it from `start`, s, on with these values.
     fn initialise(
         &mut self,

@@ -116,7 +116,7 @@ pub fn block(interface: &ForeignInterface, class: &str, file: &str, token: &str)
     }
     out.push_str(FUNCTIONS);
     let (file, token) = (quoted(file), quoted(token));
-    out.push_str(&format!("  FMU {fmu} = FMU({file}, {token});\n"));
+    out.push_str(&format!("  parameter FMU {fmu} = FMU({file}, {token});\n"));
     out.push_str(&format!("  discrete Integer {state}(start=0) \"State of the FMU\";\n"));
     out.push_str(&format!("  Integer {told} \"State of the FMU after its initialization\";\n"));
     let held = |k: usize| own(&format!("fmuInput{}", k + 1));

@@ -23,8 +23,6 @@ const MOST_RUNS: usize = 64;
 const KEPT_STATES: usize = 8;
 /// The tolerance of a Co-Simulation whose FMU asks for none.
 const TOLERANCE: f64 = 1e-6;
-/// A run may last longer than the FMU's default experiment.
-const FAR: f64 = 1e9;
 
 thread_local! {
     /// The last failure on this thread.
@@ -60,7 +58,7 @@ struct Store {
 /// The instance of a run.
 #[derive(Default)]
 struct Live {
-    instance: Option<Box<dyn ForeignInstance>>,
+    instance: Option<Box<dyn ForeignInstance + Send>>,
     /// The state in which it is.
     at: u64,
     /// The instant, s.
@@ -94,7 +92,7 @@ pub fn open(file: &Path, token: &str) -> Result<FmuComponent, String> {
     }
     let variables = &fmu.interface().variables;
     let numbers = variables.iter().map(|v| (v.name.clone(), v.value)).collect();
-    let is_read = |role| matches!(role, ForeignRole::Output | ForeignRole::Computed);
+    let is_read = |role: ForeignRole| matches!(role, ForeignRole::Output | ForeignRole::Computed);
     let mut watched: Vec<usize> =
         variables.iter().filter(|v| is_read(v.role)).map(|v| v.value).collect();
     watched.sort_unstable();
@@ -136,7 +134,7 @@ impl Store {
             // The begin of a run stays: it may be part of a compiled program.
             self.states.retain(|state, s| s.run != Some(oldest) || *state == oldest);
             let states = &self.states;
-            self.known.retain(|_, state| states.contains_key(state));
+            self.known.retain(|_, state| states.contains_key(&*state));
         }
         let live = Arc::<Mutex<Live>>::default();
         self.runs.push_back((run, Arc::clone(&live)));
@@ -219,9 +217,10 @@ impl FmuComponent {
             (f64::from_bits(start), messages.iter().filter_map(value).collect::<Vec<_>>())
         };
         values.sort_by_key(|(value, _)| *value);
-        let mut instance = self.fmu.instantiate(&self.watched)?;
-        let [_, stop, _, tolerance] = self.fmu.interface().experiment;
-        let stop = stop.filter(|stop| *stop > start + FAR).unwrap_or(start + FAR);
+        let mut instance = self.fmu.start(&self.watched)?;
+        // The end is not known; a run may last longer than the default experiment of the FMU.
+        let stop = f64::INFINITY;
+        let tolerance = self.fmu.interface().experiment[3];
         instance.initialise([start, stop], tolerance.unwrap_or(TOLERANCE), &values)?;
         (live.instance, live.at, live.t) = (Some(instance), run, start);
         Ok(())
