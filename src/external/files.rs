@@ -107,6 +107,10 @@ mod tests {
             found.then(|| self.1.into()).ok_or_else(|| "no such file".to_owned())
         }
 
+        fn component(&mut self, _: &Path, _: &str) -> Result<Arc<dyn Component>, String> {
+            Err("there are no FMUs".to_owned())
+        }
+
         fn resource(&mut self, uri: &str) -> Option<PathBuf> {
             uri.strip_prefix("modelica://A/").map(PathBuf::from)
         }
