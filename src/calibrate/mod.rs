@@ -35,5 +35,5 @@ pub mod statistics;
 pub mod sums;
 pub mod table;
 pub mod unit;
-mod unit_check;
+pub mod unit_check;
 pub mod window;

@@ -4,13 +4,15 @@
 //! squares in units of the sensor's noise says little where the model is far off. The number of samples is therefore
 //! divided by the correlation time of the residuals that are left, and the variance of each signal counts as unknown:
 //! the criterion is n ln(S/n) with the effective number n in place of the sum of squares S (G. Schwarz, *Estimating the
-//! dimension of a model*, Annals of Statistics 6, 1978; effective number: G. V. Bayley, J. M. Hammersley, *The
+//! dimension of a model*, Annals of Statistics 6, 1978. The parameters are fitted to the training recordings alone, so
+//! their number of samples is that of the penalty. Effective number: G. V. Bayley, J. M. Hammersley, *The
 //! "effective" number of independent observations in an autocorrelated time series*, Supplement to the Journal of the
 //! Royal Statistical Society 8, 1946).
 
 use crate::calibrate::data::{Recording, Split};
 use crate::calibrate::fit::search as local_search;
 use crate::calibrate::problem::Problem;
+use crate::calibrate::sums::Sums;
 use crate::numeric::whiteness::Residuals;
 
 use super::backward_elimination::without;
@@ -50,7 +52,7 @@ pub fn eliminate_unsupported(search: &Search<'_>, diagnosis: &mut Diagnosis) {
 fn effective_gain(study: &Study, from: &Hypothesis, to: &Hypothesis) -> f64 {
     let residuals = of_hypothesis(study, to);
     let all: Vec<&Recording> = Split::ALL.into_iter().flat_map(|s| study.data.of(s)).collect();
-    let (mut gain, mut number) = (0.0, 0.0);
+    let (mut gain, mut fitted) = (0.0, 0.0);
     for k in 0..study.plan.signals.len() {
         let seen = all.iter().zip(&residuals).filter(|(r, _)| r.split != Split::Test);
         let runs = seen.filter_map(|(_, signals)| Some(signals.get(k)?.as_slice())).collect();
@@ -58,10 +60,19 @@ fn effective_gain(study: &Study, from: &Hypothesis, to: &Hypothesis) -> f64 {
         let independent = own.count() as f64 / own.correlation_time();
         let of = |h: &Hypothesis| square(h, k);
         gain += independent * (of(from) / of(to)).ln();
-        number += independent;
+        fitted += independent * share_of_training(to, k);
     }
     let parameters = to.values.len() as f64 - from.values.len() as f64;
-    gain - parameters * number.max(1.0).ln()
+    gain - parameters * fitted.max(1.0).ln()
+}
+
+/// The share of the samples of a signal that are in training recordings.
+fn share_of_training(hypothesis: &Hypothesis, signal: usize) -> f64 {
+    let number = |sums: &Sums| -> usize {
+        sums.counts.iter().filter_map(|of_recording| of_recording.get(signal)).sum()
+    };
+    let (train, validation) = (number(&hypothesis.train), number(&hypothesis.validation));
+    train as f64 / (train + validation).max(1) as f64
 }
 
 /// The sum of squares of a signal over training and validation recordings.

@@ -4,7 +4,7 @@ use crate::base::diag::Problems;
 use crate::calibrate::data::{Recording, Split};
 use crate::calibrate::problem::Problem;
 
-use super::hypothesis::{Hypothesis, attached, groups};
+use super::hypothesis::{ChosenEffect, Hypothesis, attached, groups};
 use super::result::Diagnosis;
 use super::study::Study;
 
@@ -19,11 +19,36 @@ pub fn rivals<'d>(study: &Study, diagnosis: &'d Diagnosis) -> Vec<&'d Hypothesis
         let same = |other: &&Hypothesis| other.has_same_effects(rejected);
         let known = after.has_same_effects(rejected) || alike.iter().any(same);
         let is_alike = rejected.total_criterion() < limit;
-        if is_alike && groups(&rejected.effects).count() == number && !known && number > 0 {
+        let is_rival = !known && !contains(study, rejected, after);
+        if is_alike && groups(&rejected.effects).count() == number && is_rival && number > 0 {
             alike.push(rejected);
         }
     }
     alike
+}
+
+/// True if a hypothesis differs from another only by free curves over the variables of its laws: a curve contains the
+/// law, and is no other explanation.
+fn contains(study: &Study, general: &Hypothesis, special: &Hypothesis) -> bool {
+    groups(&special.effects).all(|law| {
+        groups(&general.effects).any(|other| {
+            let is_curve = study.is_curve(other[0].effect);
+            is_same_place(law, other) && (is_curve || law[0].effect == other[0].effect)
+        })
+    })
+}
+
+/// True if two effects act at the same places, over the same variables.
+fn is_same_place(a: &[ChosenEffect], b: &[ChosenEffect]) -> bool {
+    let same = |(a, b): (&ChosenEffect, &ChosenEffect)| {
+        let of = |c: &ChosenEffect, name: &String| c.place.binds.iter().any(|(_, v)| v == name);
+        a.place.at == b.place.at
+            && a.place.signal == b.place.signal
+            && a.place.connections == b.place.connections
+            && a.place.binds.len() == b.place.binds.len()
+            && a.place.binds.iter().all(|(_, name)| of(b, name))
+    };
+    a.len() == b.len() && a.iter().zip(b).all(same)
 }
 
 /// A variable that nobody measures, and by how much the rivals differ in it.

@@ -5,6 +5,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use mocc::calibrate::{plan_file, unit_check};
+use mocc::driver::compile::{Request, Session};
 use serde_json::Value;
 
 use super::door::{Scratch, suite_model};
@@ -327,4 +329,27 @@ fn chambers_leak() {
     let found = diagnosed("chamber_leak/Ultimaker_015.toml");
     assert_eq!(explains_a_part(&found)[0], "Effects.LeakPorous");
     assert!(rmse(&found, "validation", "p_bar") < 0.02);
+}
+
+/// The plans for recordings that are not in this repository suit their models: every one is read, its model compiles,
+/// and its columns have the units of its variables.
+#[test]
+fn plans_of_measured_recordings_suit_their_models() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/measured");
+    let folders = std::fs::read_dir(root).expect("a folder").flatten().map(|e| e.path());
+    let files =
+        folders.filter(|p| p.is_dir()).flat_map(|p| std::fs::read_dir(p).expect("a folder"));
+    let is_plan = |path: &std::path::PathBuf| path.extension().is_some_and(|e| e == "toml");
+    let plans: Vec<_> = files.flatten().map(|e| e.path()).filter(is_plan).collect();
+    assert!(plans.len() >= 14, "{plans:?}");
+    for path in plans {
+        let mut session = Session { parameters_vary: true, ..Session::default() };
+        let text = std::fs::read_to_string(&path).expect("a plan");
+        let plan = plan_file::read(&path, &text, &mut session.sources, &mut session.problems);
+        let plan = plan.unwrap_or_else(|| panic!("{}: not read", path.display()));
+        let program = session.compile(&Request::new(Some(plan.model.clone()), None));
+        let program = program.unwrap_or_else(|_| panic!("{}: not compiled", path.display()));
+        unit_check::check(&program, &plan, &mut session.problems);
+        assert_eq!(session.problems.error_count(), 0, "{}", path.display());
+    }
 }
