@@ -2,13 +2,15 @@
 //! models. The pages that explain diagnostics are in the binary as well.
 
 use std::path::{Path, PathBuf};
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use include_dir::{Dir, DirEntry, include_dir};
 
 use super::compile::Request;
 use super::neighbours::Neighbours;
 use crate::base::index::FastMap;
+use crate::external::component::Component;
+use crate::fmu::import::component;
 use crate::ir::ast;
 use crate::resolve::library::Folder;
 use crate::resolve::version::of_entry;
@@ -115,7 +117,13 @@ pub struct AsNamed {
     own: Option<PathBuf>,
     /// Folders that the user allows.
     allowed: Vec<PathBuf>,
+    /// FMUs, or folders with FMUs, whose code the user allows to run.
+    fmus: Vec<PathBuf>,
 }
+
+/// Why an FMU in a model is not loaded.
+const FOREIGN: &str = "an FMU is foreign code, which can do whatever you can do; \
+                       if you trust it, allow it with `--allow-fmu FILE`";
 
 impl AsNamed {
     fn allows(&self, file: &Path) -> bool {
@@ -134,6 +142,19 @@ fn is_hidden(path: &Path) -> bool {
     path.iter().any(|part| part.to_string_lossy().starts_with('.'))
 }
 
+impl AsNamed {
+    /// The file of an FMU: relative to the folder of the model, else to the working directory.
+    fn fmu(&self, path: &Path) -> Result<PathBuf, String> {
+        let beside = self.own.as_ref().map(|own| own.join(path)).filter(|file| file.is_file());
+        let file = beside.unwrap_or_else(|| path.to_path_buf());
+        let full = file.canonicalize().map_err(|e| e.to_string())?;
+        let is_allowed = |allowed: &PathBuf| {
+            allowed.canonicalize().is_ok_and(|allowed| full.starts_with(allowed))
+        };
+        if self.fmus.iter().any(is_allowed) { Ok(file) } else { Err(FOREIGN.to_owned()) }
+    }
+}
+
 impl Folder for AsNamed {
     fn entries(&self, _: &Path) -> Vec<String> {
         Vec::new()
@@ -150,6 +171,11 @@ impl Folder for AsNamed {
             }
             std::fs::read(path).map_err(|e| e.to_string())
         })
+    }
+
+    fn component(&self, path: &Path, token: &str) -> Option<Result<Arc<dyn Component>, String>> {
+        let opened = self.fmu(path).and_then(|file| component::open(&file, token));
+        Some(opened.map(|component| Arc::new(component) as Arc<dyn Component>))
     }
 
     fn display(&self, path: &Path) -> PathBuf {
@@ -303,7 +329,11 @@ pub fn folders(request: &Request) -> Vec<Box<dyn Folder>> {
         },
     };
     let mut all: Vec<Box<dyn Folder>> =
-        vec![Box::new(AsNamed { own, allowed: request.readable.clone() })];
+        vec![Box::new(AsNamed {
+            own,
+            allowed: request.readable.clone(),
+            fmus: request.fmus.clone(),
+        })];
     for path in &request.folders {
         match request.packed.folder(path) {
             Some(packed) => all.push(Box::new(packed)),

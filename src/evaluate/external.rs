@@ -14,6 +14,7 @@ use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
+use crate::external::component::{Asked, Component, ComponentCall};
 use crate::external::files::{self, Files};
 use crate::external::table::Extrapolation;
 use crate::external::table::curve::Curve;
@@ -42,6 +43,8 @@ pub(crate) enum Object {
     TimeTables(Vec<Arc<TimeTable>>, Option<Moved>),
     /// A grid.
     Surface(Arc<Surface>),
+    /// A foreign model.
+    Component(Arc<dyn Component>),
 }
 
 /// Why an external function has no result.
@@ -160,6 +163,9 @@ impl Evaluator<'_> {
         if called == "ModelicaFFT_kiss_fftr" {
             return self.fourier_function(args, span);
         }
+        if let Some(what) = called.strip_prefix("mocc_fmu_") {
+            return self.component_function(what, args);
+        }
         let Some(table) = called.strip_prefix("ModelicaStandardTables_") else {
             return self.known_function(called, args, span);
         };
@@ -171,13 +177,64 @@ impl Evaluator<'_> {
                 "CombiTable2D" => self.surface(args)?,
                 _ => return Err(Refusal::Unknown),
             };
-            self.objects.push(object);
-            let text = format!("{MARK}{}", self.objects.len());
-            return Ok(vec![Value::Scalar(self.graph.string(&text))]);
+            return Ok(vec![self.new_object(object)]);
         }
         let object = self.object_of(args.first())?;
         let scalars: Option<Vec<ExprId>> = args[1..].iter().map(Value::scalar).collect();
         self.table_function(what, &object, &scalars.ok_or(Refusal::Unknown)?, span)
+    }
+
+    /// Keeps an object; the text that numbers it.
+    fn new_object(&mut self, object: Object) -> Value {
+        self.objects.push(object);
+        let text = format!("{MARK}{}", self.objects.len());
+        Value::Scalar(self.graph.string(&text))
+    }
+
+    /// A function of a foreign model: `open(file, token)`, `set(fmu, name, state, value)`, `begin(fmu, state, start)`,
+    /// `step(fmu, state, size)`, `get(fmu, name, state)`.
+    fn component_function(&mut self, what: &str, args: &[Value]) -> Result<Vec<Value>, Refusal> {
+        if let ("open", [file, token]) = (what, args) {
+            let (file, token) = (self.text_of(file)?, self.text_of(token)?);
+            let found = self.library.component(Path::new(&file), &token);
+            let component = found.map_err(|why| Refusal::Wrong(format!("`{file}`: {why}")))?;
+            return Ok(vec![self.new_object(Object::Component(component))]);
+        }
+        let Object::Component(component) = self.object_of(args.first())? else {
+            return Err(Refusal::Wrong("this is not an FMU".into()));
+        };
+        let (asked, rest) = match (what, &args[1..]) {
+            ("set", [name, rest @ ..]) => {
+                (Asked::Set(self.value_of_component(&*component, name)?), rest)
+            }
+            ("get", [name, rest @ ..]) => {
+                (Asked::Get(self.value_of_component(&*component, name)?), rest)
+            }
+            ("begin", rest) => (Asked::Begin, rest),
+            ("step", rest) => (Asked::Step, rest),
+            _ => return Err(Refusal::Unknown),
+        };
+        let scalars: Option<Vec<ExprId>> = rest.iter().map(Value::scalar).collect();
+        let f = self.graph.add_external(Arc::new(ComponentCall { component, asked }));
+        let called = match scalars.as_deref() {
+            Some([a]) if matches!(asked, Asked::Get(_)) => self.graph.unary(Unary::External(f), *a),
+            Some([a, b]) if !matches!(asked, Asked::Get(_)) => {
+                self.graph.binary(Binary::External(f), *a, *b)
+            }
+            _ => return Err(Refusal::Unknown),
+        };
+        Ok(vec![Value::Scalar(called)])
+    }
+
+    /// The number of a value of a foreign model by the name of its variable.
+    fn value_of_component(
+        &mut self,
+        component: &dyn Component,
+        name: &Value,
+    ) -> Result<usize, Refusal> {
+        let name = self.text_of(name)?;
+        let found = component.value(&name);
+        found.ok_or_else(|| Refusal::Wrong(format!("the FMU has no variable `{name}`")))
     }
 
     /// A function of the C library, or one that is built in by that name.
@@ -599,6 +656,10 @@ impl Evaluator<'_> {
 impl Files for Library {
     fn read(&mut self, path: &Path) -> Result<Vec<u8>, String> {
         self.data(path)
+    }
+
+    fn component(&mut self, path: &Path, token: &str) -> Result<Arc<dyn Component>, String> {
+        Library::component(self, path, token)
     }
 
     fn resource(&mut self, uri: &str) -> Option<PathBuf> {

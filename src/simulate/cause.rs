@@ -130,6 +130,10 @@ causes! {
         /// A model has no linear system at a point.
         error MO0939 NotLinear { time: f64, why: &'static str }
             => ("the model cannot be linearized at time {time} s: {why}");
+        /// A model that integrates itself stays where it is.
+        error MO0945 ForeignNoStep { time: f64 }
+            => ("the FMU makes no step at time {time} s"),
+            help("choose a longer `--interval`, or report this to the maker of the FMU");
         /// An invariant of mocc is violated.
         error MO0999 Bug { what: String }
             => ("{what}"), help("this is a bug in mocc, please report it with the model");

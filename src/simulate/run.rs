@@ -23,7 +23,7 @@ use super::event::time_events::Clocks;
 use super::event::zeno::{Accumulation, Bounces};
 use super::extrema::ExtremaSearch;
 use super::failure::non_finite::relation_text;
-use super::failure::{Failure, of_fault, of_integration, start_failure};
+use super::failure::{Failure, FailureKind, of_fault, of_integration, start_failure};
 use super::initialization::{Start, StartError, initialise};
 use super::integers::integers;
 use super::method::{Choice, Integrator};
@@ -162,8 +162,11 @@ fn run_to(
     if let Some(foreign) = &program.foreign {
         return super::foreign::run_to(foreign, program, settings, inputs, sink);
     }
-    let mut simulation = Simulation::begin(program, settings, inputs, sources, sink)?;
-    let outcome = simulation.run();
+    // Of a failure of an earlier run nobody wants to know.
+    let _ = external_failure(program);
+    let begun = Simulation::begin(program, settings, inputs, sources, sink);
+    let mut simulation = begun.map_err(|failure| with_external(program, failure))?;
+    let outcome = simulation.run().map_err(|failure| with_external(program, failure));
     simulation.recorder.flush(simulation.sink);
     simulation.sink.end();
     outcome?;
@@ -175,6 +178,19 @@ fn run_to(
     statistics.extremum_times = simulation.extrema.times();
     statistics.elapsed = started.elapsed();
     Ok(statistics)
+}
+
+/// Why an external function gave no number on this thread.
+fn external_failure(program: &Program) -> Option<Box<Diagnostic>> {
+    program.externals().all().iter().find_map(|f| f.take_failure())
+}
+
+/// A failure, or that of the external function behind it.
+fn with_external(program: &Program, failure: Failure) -> Failure {
+    match external_failure(program) {
+        Some(diagnostic) => Failure { kind: FailureKind::Numerics, diagnostic, ..failure },
+        None => failure,
+    }
 }
 
 /// Runs a program to its end; returns the system there, the instant, s, and the states.
