@@ -425,6 +425,7 @@ impl ClassGraph<'_> {
         protected: bool,
     ) {
         let inherited = self.table(base);
+        table.bases.push(base);
         table.lacks_base |= inherited.lacks_base;
         if let Some(ty) = inherited.scalar {
             table.scalar = Some(ty);
@@ -469,7 +470,11 @@ impl ClassGraph<'_> {
                     && !self.identical(before, entry, modified)
                 {
                     let (before, entry) = (before.clone(), entry.clone());
-                    self.report_inherited_duplicate(&before, &entry.name);
+                    match self.narrower(&before, &entry) {
+                        Some(Narrower::Before) => {}
+                        Some(Narrower::Later) => table.entries[at] = Entry { layers: all, ..entry },
+                        None => self.report_inherited_duplicate(&before, &entry.name),
+                    }
                 }
             } else {
                 let protected = protected || entry.protected;
@@ -525,6 +530,34 @@ impl ClassGraph<'_> {
         }
     }
 
+    /// The narrower one of two replaceable short classes of one name, if one of them derives from
+    /// the other: a class that fits both places fits the narrower one. The specification requires
+    /// them to be identical (section 7.1), but libraries inherit a medium from two bases, one of
+    /// which asks more of it.
+    fn narrower(&mut self, before: &Entry, later: &Entry) -> Option<Narrower> {
+        let [a, b] = [before, later].map(|entry| {
+            entry.element.replaceable.as_ref()?;
+            let EntryKind::Class(text) = &entry.kind else { return None };
+            let ClassBody::Short(short) = &text.body else { return None };
+            let scope = Scope { instance: self.classes[entry.class].holder, class: entry.class };
+            self.find_class(&short.base, scope)
+        });
+        let (a, b) = (a?, b?);
+        if self.derives(a, b) {
+            return Some(Narrower::Before);
+        }
+        self.derives(b, a).then_some(Narrower::Later)
+    }
+
+    /// Whether a class is `base` or extends it, directly or indirectly.
+    fn derives(&mut self, class: ClassId, base: ClassId) -> bool {
+        if self.is_same_definition(class, base) {
+            return true;
+        }
+        let table = self.table(class);
+        table.bases.iter().any(|b| self.derives(*b, base))
+    }
+
     /// Whether two declarations of one name say the same: type, sizes and modification, as written.
     /// The modification is left out if an `extends` clause has `modified` one of them.
     fn identical(&self, a: &Entry, b: &Entry, modified: bool) -> bool {
@@ -576,6 +609,12 @@ impl ClassGraph<'_> {
         self.enumerations.insert(key, id);
         id
     }
+}
+
+/// Which of two declarations.
+enum Narrower {
+    Before,
+    Later,
 }
 
 /// `model extends M ... end M`

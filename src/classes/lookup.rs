@@ -128,11 +128,7 @@ impl ClassGraph<'_> {
                     }
                     EntryKind::Component(_) => return None,
                 },
-                None => {
-                    let full_name = self.classes[class].full_name;
-                    let c = self.library.child(full_name, wanted, self.sources, self.problems)?;
-                    (c, class)
-                }
+                None => self.class_in_file(class, wanted)?,
             }
         };
         let holder = if self.is_package(class) { self.package_instance(class) } else { instance };
@@ -141,6 +137,25 @@ impl ClassGraph<'_> {
             return Some(self.class_in(&r.class, r.written_in, holder));
         }
         Some(self.class_in(&text, declared_in, holder))
+    }
+
+    /// The class `wanted` in a file of its own in the folder of the package `class` or of one of its
+    /// bases, and the package that has the folder. Tables do not list these classes, because files
+    /// are read when one of their classes is needed.
+    fn class_in_file(
+        &mut self,
+        class: ClassId,
+        wanted: Name,
+    ) -> Option<(std::sync::Arc<ast::Class>, ClassId)> {
+        let full_name = self.classes[class].full_name;
+        if let Some(own) = self.library.child(full_name, wanted, self.sources, self.problems) {
+            return Some((own, class));
+        }
+        if !self.is_package(class) || self.table_in_progress(class) {
+            return None;
+        }
+        let table = self.table(class);
+        table.bases.iter().find_map(|base| self.class_in_file(*base, wanted))
     }
 
     /// The class that an `outer` class refers to: the `inner` one of that name in the enclosing

@@ -17,6 +17,7 @@ pub enum Construct {
     DynamicComponents,
     FirstAssignmentInLoop,
     GrowingArray,
+    HistoryInLoop,
     IteratorWithoutRange,
     NamedStringArguments,
     SecondDerivative,
@@ -42,6 +43,9 @@ impl fmt::Display for Construct {
                 "the first assignment of a variable in a loop whose trip count is known only at run time"
             }
             Construct::GrowingArray => "arrays that grow in a loop",
+            Construct::HistoryInLoop => {
+                "`delay` or `spatialDistribution` of a value that changes in a loop whose trip count is known only at run time"
+            }
             Construct::IteratorWithoutRange => "iterators without a range",
             Construct::NamedStringArguments => {
                 "named arguments of `String` for an operator record"

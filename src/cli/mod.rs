@@ -22,6 +22,7 @@ pub mod explain;
 pub mod export;
 pub mod fmu_host;
 pub mod format;
+pub mod import;
 pub mod interrupt;
 pub mod library;
 pub mod linear_text;
@@ -169,6 +170,7 @@ fn carry_out(command: args::Command) -> Status {
         args::Command::Format(options) => format::run(&options),
         args::Command::Flatten(options) => show::flatten(&options),
         args::Command::Export(options) => export::run(&options),
+        args::Command::Import(options) => import::run(&options),
         args::Command::Structure(options) => show::structure(&options),
     }
 }
@@ -198,6 +200,7 @@ fn is_quiet(command: &args::Command) -> bool {
             let args::export::Exported::Fmu(options) = &options.what;
             options.quiet
         }
+        Import(options) => options.quiet,
         Simulate(_) | Report(_) | Watch(_) | Optimize(_) | Doc(_) | Lsp | Explain(_)
         | Completions(_) => false,
     }

@@ -18,6 +18,7 @@ pub mod nominal;
 pub mod print;
 pub mod recording;
 pub mod relation;
+pub mod rows;
 pub mod sequence;
 pub mod sink;
 pub mod state_selection;
@@ -82,6 +83,7 @@ pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems>
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
     let SortedBlocks { states, algebraics, initial, event, continuous } = order;
     let mut program = Program {
+        rows: None,
         recorded: recording::all(&dae),
         constants: recording::constants(&dae),
         blocks: Blocks {

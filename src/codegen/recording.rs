@@ -4,6 +4,8 @@ use crate::ir::dae::{Dae, Variable, VariableKind};
 use crate::ir::expr::{Type, VarId};
 use crate::ir::program::{Entry, Instr, Op, Program, RelationTrigger, Slot};
 
+use super::rows;
+
 /// All declared variables whose values a run computes: variables that may vary, and parameters that
 /// initialization determines. If there are none, the parameters are the result.
 pub fn all(dae: &Dae) -> Vec<VarId> {
@@ -31,7 +33,7 @@ fn selected(dae: &Dae, wanted: impl Fn(VariableKind) -> bool) -> Vec<VarId> {
 
 /// Restricts the recorded variables to those whose names `keep` accepts, and removes instructions
 /// from the tape `outputs` that nothing else reads: in a large model most of the work between
-/// steps.
+/// steps. If few instructions remain, rows get a tape of their own ([`Program::rows`]).
 pub fn only(program: &mut Program, keep: impl Fn(&str) -> bool) {
     let variables = &program.blocks.dae.variables;
     program.recorded.retain(|v| keep(&variables[*v].name));
@@ -55,6 +57,8 @@ pub fn only(program: &mut Program, keep: impl Fn(&str) -> bool) {
     needed_code.reverse();
     needed_code.shrink_to_fit();
     *program.tapes.outputs = needed_code;
+    program.rows = rows::tape(program);
+    program.number_tapes();
 }
 
 /// For each slot, whether anything other than the tape `outputs` reads it.
@@ -110,7 +114,7 @@ fn slots_read_elsewhere(program: &Program) -> Vec<bool> {
 }
 
 /// Calls `visit` with the operand slots of an instruction.
-fn operands(instr: &Instr, visit: &mut impl FnMut(Slot)) {
+pub(super) fn operands(instr: &Instr, visit: &mut impl FnMut(Slot)) {
     match instr.op {
         Op::Solve | Op::Differentiate | Op::Iterate | Op::Call | Op::Jump => {}
         Op::JumpUnless | Op::Assert => visit(instr.a),

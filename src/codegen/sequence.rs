@@ -82,7 +82,9 @@ pub fn parameters(e: &mut Emitter, blocks: &SortedBlocks) {
         e.layout.delays.push(DelaySlots { variable: v, source, delay, moves: true });
     }
     for line in e.dae.transports.clone() {
-        let initial = line.initial.iter().map(|(p, v)| (e.emit(*p).0, e.emit(*v).0)).collect();
+        // Lines are filled after initialization, which may determine what fills them.
+        let mut filled = |value| initialized_value(e, value, 0.0);
+        let initial = line.initial.iter().map(|(p, v)| (filled(*p), filled(*v))).collect();
         let readers = line.readers.iter().map(|reader| ReaderSlots {
             place: e.slot(reader.place),
             from: e.recorded(reader.from, 0),

@@ -59,6 +59,8 @@ pub struct Request {
     pub folders: Vec<PathBuf>,
     /// Folders whose data files the model may read, besides its own and those of libraries.
     pub readable: Vec<PathBuf>,
+    /// FMUs, or folders with FMUs, that components of the model may run: foreign code.
+    pub fmus: Vec<PathBuf>,
     /// The value of `MODELICAPATH`.
     pub modelica_path: Option<std::ffi::OsString>,
     /// Those of `folders` that are in memory.

@@ -2,17 +2,33 @@
 //! models. The pages that explain diagnostics are in the binary as well.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, LazyLock};
 
-use include_dir::{Dir, include_dir};
+use include_dir::{Dir, DirEntry, include_dir};
 
 use super::compile::Request;
 use super::neighbours::Neighbours;
+use crate::base::index::FastMap;
+use crate::external::component::Component;
+use crate::fmu::import::component;
 use crate::ir::ast;
 use crate::resolve::library::Folder;
 use crate::resolve::version::of_entry;
 
 /// The shipped library.
 static SHIPPED: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/lib");
+
+/// The shipped library by path: `Dir::get_entry` compares the paths of all entries.
+static SHIPPED_ENTRIES: LazyLock<FastMap<&'static Path, &'static DirEntry<'static>>> =
+    LazyLock::new(|| {
+        let mut all = FastMap::default();
+        let mut waiting = vec![&SHIPPED];
+        while let Some(dir) = waiting.pop() {
+            all.extend(dir.entries().iter().map(|entry| (entry.path(), entry)));
+            waiting.extend(dir.dirs());
+        }
+        all
+    });
 
 /// The pages that explain diagnostics.
 static ERROR_PAGES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/docs/errors");
@@ -38,7 +54,15 @@ pub fn template(name: &str) -> Vec<(&'static Path, &'static [u8])> {
 
 /// True for the name of a package that is shipped, which a class at the top level would hide.
 pub fn is_shipped(package: &str) -> bool {
-    SHIPPED.get_dir(package).is_some()
+    shipped_dir(Path::new(package)).is_some()
+}
+
+fn shipped_dir(path: &Path) -> Option<&'static Dir<'static>> {
+    SHIPPED_ENTRIES.get(path)?.as_dir()
+}
+
+fn shipped_file(path: &Path) -> Option<&'static include_dir::File<'static>> {
+    SHIPPED_ENTRIES.get(path)?.as_file()
 }
 
 /// The pages that explain diagnostics, by code: `("MO0201", "# MO0201: unknown class ...")`.
@@ -57,7 +81,7 @@ pub struct Shipped;
 
 impl Folder for Shipped {
     fn entries(&self, path: &Path) -> Vec<String> {
-        let dir = if path.as_os_str().is_empty() { Some(&SHIPPED) } else { SHIPPED.get_dir(path) };
+        let dir = if path.as_os_str().is_empty() { Some(&SHIPPED) } else { shipped_dir(path) };
         let Some(dir) = dir else { return Vec::new() };
         let name = |p: &Path| p.file_name().map(|n| n.to_string_lossy().into_owned());
         let mut all: Vec<String> =
@@ -68,13 +92,13 @@ impl Folder for Shipped {
     }
 
     fn read(&self, path: &Path) -> Option<Result<String, String>> {
-        let file = SHIPPED.get_file(path)?;
+        let file = shipped_file(path)?;
         Some(file.contents_utf8().map(str::to_string).ok_or_else(|| "not UTF-8".to_string()))
     }
 
     fn data(&self, path: &Path) -> Option<Result<Vec<u8>, String>> {
         let inside = path.strip_prefix("lib").unwrap_or(path);
-        SHIPPED.get_file(inside).map(|f| Ok(f.contents().to_vec()))
+        shipped_file(inside).map(|f| Ok(f.contents().to_vec()))
     }
 
     fn display(&self, path: &Path) -> PathBuf {
@@ -93,7 +117,13 @@ pub struct AsNamed {
     own: Option<PathBuf>,
     /// Folders that the user allows.
     allowed: Vec<PathBuf>,
+    /// FMUs, or folders with FMUs, whose code the user allows to run.
+    fmus: Vec<PathBuf>,
 }
+
+/// Why an FMU in a model is not loaded.
+const FOREIGN: &str = "an FMU is foreign code, which can do whatever you can do; \
+                       if you trust it, allow it with `--allow-fmu FILE`";
 
 impl AsNamed {
     fn allows(&self, file: &Path) -> bool {
@@ -112,6 +142,19 @@ fn is_hidden(path: &Path) -> bool {
     path.iter().any(|part| part.to_string_lossy().starts_with('.'))
 }
 
+impl AsNamed {
+    /// The file of an FMU: relative to the folder of the model, else to the working directory.
+    fn fmu(&self, path: &Path) -> Result<PathBuf, String> {
+        let beside = self.own.as_ref().map(|own| own.join(path)).filter(|file| file.is_file());
+        let file = beside.unwrap_or_else(|| path.to_path_buf());
+        let full = file.canonicalize().map_err(|e| e.to_string())?;
+        let is_allowed = |allowed: &PathBuf| {
+            allowed.canonicalize().is_ok_and(|allowed| full.starts_with(allowed))
+        };
+        if self.fmus.iter().any(is_allowed) { Ok(file) } else { Err(FOREIGN.to_owned()) }
+    }
+}
+
 impl Folder for AsNamed {
     fn entries(&self, _: &Path) -> Vec<String> {
         Vec::new()
@@ -128,6 +171,11 @@ impl Folder for AsNamed {
             }
             std::fs::read(path).map_err(|e| e.to_string())
         })
+    }
+
+    fn component(&self, path: &Path, token: &str) -> Option<Result<Arc<dyn Component>, String>> {
+        let opened = self.fmu(path).and_then(|file| component::open(&file, token));
+        Some(opened.map(|component| Arc::new(component) as Arc<dyn Component>))
     }
 
     fn display(&self, path: &Path) -> PathBuf {
@@ -281,7 +329,11 @@ pub fn folders(request: &Request) -> Vec<Box<dyn Folder>> {
         },
     };
     let mut all: Vec<Box<dyn Folder>> =
-        vec![Box::new(AsNamed { own, allowed: request.readable.clone() })];
+        vec![Box::new(AsNamed {
+            own,
+            allowed: request.readable.clone(),
+            fmus: request.fmus.clone(),
+        })];
     for path in &request.folders {
         match request.packed.folder(path) {
             Some(packed) => all.push(Box::new(packed)),

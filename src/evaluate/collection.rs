@@ -194,6 +194,9 @@ impl Evaluator<'_> {
         let all = self.comprehension(body, iterators, scope)?;
         match function.simple().as_ref().map(|n| n.as_str()) {
             Some("array") => Some(all),
+            Some("sum") if all.dims().len() > iterators.len() => {
+                self.sum_of_arrays(&all, iterators.len(), span)
+            }
             Some(name @ ("sum" | "product" | "min" | "max")) => self.reduce(name, &all, span),
             _ => {
                 let function_name = self.sources.text(function.span).unwrap_or_default();
@@ -202,6 +205,21 @@ impl Evaluator<'_> {
                 None
             }
         }
+    }
+
+    /// `sum(e for i in r)` has the sizes of `e` (section 10.3.4.1): the sum over the first `leading`
+    /// dimensions.
+    fn sum_of_arrays(&mut self, all: &Value, leading: usize, span: Span) -> Option<Value> {
+        let inner = all.dims()[leading..].to_vec();
+        let width: usize = inner.iter().product();
+        let mut sums = Vec::with_capacity(width);
+        for k in 0..width {
+            let column: Vec<Value> =
+                all.elements().iter().skip(k).step_by(width).cloned().collect();
+            let column = Value::array(vec![column.len()], column);
+            sums.push(self.reduce("sum", &column, span)?);
+        }
+        Some(Value::array(inner, sums))
     }
 
     /// `sum`, `product`, `min`, `max` over all elements.

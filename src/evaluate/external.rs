@@ -9,10 +9,12 @@ use std::sync::Arc;
 
 use super::Evaluator;
 use super::cause::call::CallCause;
+use super::moved_table::Moved;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
+use crate::external::component::{Asked, Component, ComponentCall};
 use crate::external::files::{self, Files};
 use crate::external::table::Extrapolation;
 use crate::external::table::curve::Curve;
@@ -37,10 +39,12 @@ const MARK: &str = "external object ";
 pub(crate) enum Object {
     /// Columns over the first one.
     Curves(Vec<Arc<Curve>>),
-    /// Columns over time.
-    TimeTables(Vec<Arc<TimeTable>>),
+    /// Columns over time, and what moves them if it is not known before simulation.
+    TimeTables(Vec<Arc<TimeTable>>, Option<Moved>),
     /// A grid.
     Surface(Arc<Surface>),
+    /// A foreign model.
+    Component(Arc<dyn Component>),
 }
 
 /// Why an external function has no result.
@@ -159,6 +163,9 @@ impl Evaluator<'_> {
         if called == "ModelicaFFT_kiss_fftr" {
             return self.fourier_function(args, span);
         }
+        if let Some(what) = called.strip_prefix("mocc_fmu_") {
+            return self.component_function(what, args);
+        }
         let Some(table) = called.strip_prefix("ModelicaStandardTables_") else {
             return self.known_function(called, args, span);
         };
@@ -170,13 +177,64 @@ impl Evaluator<'_> {
                 "CombiTable2D" => self.surface(args)?,
                 _ => return Err(Refusal::Unknown),
             };
-            self.objects.push(object);
-            let text = format!("{MARK}{}", self.objects.len());
-            return Ok(vec![Value::Scalar(self.graph.string(&text))]);
+            return Ok(vec![self.new_object(object)]);
         }
         let object = self.object_of(args.first())?;
         let scalars: Option<Vec<ExprId>> = args[1..].iter().map(Value::scalar).collect();
         self.table_function(what, &object, &scalars.ok_or(Refusal::Unknown)?, span)
+    }
+
+    /// Keeps an object; the text that numbers it.
+    fn new_object(&mut self, object: Object) -> Value {
+        self.objects.push(object);
+        let text = format!("{MARK}{}", self.objects.len());
+        Value::Scalar(self.graph.string(&text))
+    }
+
+    /// A function of a foreign model: `open(file, token)`, `set(fmu, name, state, value)`, `begin(fmu, state, start)`,
+    /// `step(fmu, state, size)`, `get(fmu, name, state)`.
+    fn component_function(&mut self, what: &str, args: &[Value]) -> Result<Vec<Value>, Refusal> {
+        if let ("open", [file, token]) = (what, args) {
+            let (file, token) = (self.text_of(file)?, self.text_of(token)?);
+            let found = self.library.component(Path::new(&file), &token);
+            let component = found.map_err(|why| Refusal::Wrong(format!("`{file}`: {why}")))?;
+            return Ok(vec![self.new_object(Object::Component(component))]);
+        }
+        let Object::Component(component) = self.object_of(args.first())? else {
+            return Err(Refusal::Wrong("this is not an FMU".into()));
+        };
+        let (asked, rest) = match (what, &args[1..]) {
+            ("set", [name, rest @ ..]) => {
+                (Asked::Set(self.value_of_component(&*component, name)?), rest)
+            }
+            ("get", [name, rest @ ..]) => {
+                (Asked::Get(self.value_of_component(&*component, name)?), rest)
+            }
+            ("begin", rest) => (Asked::Begin, rest),
+            ("step", rest) => (Asked::Step, rest),
+            _ => return Err(Refusal::Unknown),
+        };
+        let scalars: Option<Vec<ExprId>> = rest.iter().map(Value::scalar).collect();
+        let f = self.graph.add_external(Arc::new(ComponentCall { component, asked }));
+        let called = match scalars.as_deref() {
+            Some([a]) if matches!(asked, Asked::Get(_)) => self.graph.unary(Unary::External(f), *a),
+            Some([a, b]) if !matches!(asked, Asked::Get(_)) => {
+                self.graph.binary(Binary::External(f), *a, *b)
+            }
+            _ => return Err(Refusal::Unknown),
+        };
+        Ok(vec![Value::Scalar(called)])
+    }
+
+    /// The number of a value of a foreign model by the name of its variable.
+    fn value_of_component(
+        &mut self,
+        component: &dyn Component,
+        name: &Value,
+    ) -> Result<usize, Refusal> {
+        let name = self.text_of(name)?;
+        let found = component.value(&name);
+        found.ok_or_else(|| Refusal::Wrong(format!("the FMU has no variable `{name}`")))
     }
 
     /// A function of the C library, or one that is built in by that name.
@@ -295,23 +353,29 @@ impl Evaluator<'_> {
     ) -> Result<Vec<Value>, Refusal> {
         let one = |e| Ok(vec![Value::Scalar(e)]);
         match (object, what, args) {
-            (Object::TimeTables(all), "minimumTime", []) => {
+            (Object::TimeTables(all, _), "minimumTime", []) => {
                 one(self.graph.real(all.first().map_or(0.0, |c| c.range().0)))
             }
-            (Object::TimeTables(all), "maximumTime", []) => {
+            (Object::TimeTables(all, _), "maximumTime", []) => {
                 one(self.graph.real(all.first().map_or(0.0, |c| c.range().1)))
             }
-            (Object::TimeTables(all), "nextTimeEvent", [t]) => {
+            (Object::TimeTables(all, moved), "nextTimeEvent", [t]) => {
                 let table = all.first().ok_or(Refusal::Unknown)?.clone();
                 let f = self.graph.add_external(Arc::new(NextTimeEvent(table)));
-                one(self.graph.unary(Unary::External(f), *t))
+                one(match moved {
+                    None => self.graph.unary(Unary::External(f), *t),
+                    Some(moved) => moved.next_event(&mut self.graph, f, *t),
+                })
             }
-            (Object::TimeTables(all), _, [column, t, next, _, rates @ ..]) => {
+            (Object::TimeTables(all, moved), _, [column, t, next, _, rates @ ..]) => {
                 let table = self.column(all, *column)?;
                 let f = self.graph.add_external(Arc::new(TimeTableValue { table, order: 0 }));
-                let value = self.graph.binary(Binary::External(f), *t, *next);
-                let slopes =
-                    self.slopes(f, |graph, f| graph.binary(Binary::External(f), *t, *next));
+                let at = |graph: &mut Graph, f| match moved {
+                    None => graph.binary(Binary::External(f), *t, *next),
+                    Some(moved) => moved.value(graph, f, *t, *next),
+                };
+                let value = at(&mut self.graph, f);
+                let slopes = self.slopes(f, at);
                 self.rate(what, value, &slopes, rates)
             }
             (Object::Curves(all), "minimumAbscissa", []) => {
@@ -466,9 +530,10 @@ impl Evaluator<'_> {
         let table = self.table_data(file, name, table)?;
         let t = table.column(1).map_err(Refusal::Wrong)?;
         let (smoothness, extrapolation) = self.interpretation(smoothness, extrapolation)?;
+        let (moved, at_start, by_shift) = self.placed(start, shift)?;
         let placing = Placing {
-            start: self.number_of(start)?,
-            shift: self.number_of(shift)?,
+            start: at_start,
+            shift: by_shift,
             stops: match self.number_of(stops)? as u32 {
                 1 => Stops::Always,
                 2 => Stops::AtJumps,
@@ -483,7 +548,25 @@ impl Evaluator<'_> {
                 Refusal::Wrong("the first column of the table must not fall from row to row".into())
             })?));
         }
-        Ok(Object::TimeTables(all))
+        Ok(Object::TimeTables(all, moved))
+    }
+
+    /// The start and the shift of a table over time, as numbers if they are known. Initialization may
+    /// determine them: then the table stays, and what reads it moves.
+    fn placed(
+        &mut self,
+        start: &Value,
+        shift: &Value,
+    ) -> Result<(Option<Moved>, f64, f64), Refusal> {
+        let (numbers, reported) =
+            self.collect_problems(|cx| (cx.number_of(start), cx.number_of(shift)));
+        if let (Ok(start), Ok(shift)) = numbers {
+            reported.iter().for_each(|d| self.problems.push(d.clone()));
+            return Ok((None, start, shift));
+        }
+        let start = start.scalar().ok_or(Refusal::Unknown)?;
+        let shift = shift.scalar().ok_or(Refusal::Unknown)?;
+        Ok((Some(Moved { start, shift }), f64::MIN, 0.0))
     }
 
     /// `fileName, tableName, table, rows, columns, smoothness, extrapolation, ...`
@@ -573,6 +656,10 @@ impl Evaluator<'_> {
 impl Files for Library {
     fn read(&mut self, path: &Path) -> Result<Vec<u8>, String> {
         self.data(path)
+    }
+
+    fn component(&mut self, path: &Path, token: &str) -> Result<Arc<dyn Component>, String> {
+        Library::component(self, path, token)
     }
 
     fn resource(&mut self, uri: &str) -> Option<PathBuf> {

@@ -15,7 +15,8 @@ use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::classes::cause::Alternatives;
 use crate::ir::ast::{
-    ArgumentKind, Causality, ClassBody, ClassKind, Expr, Ident, Subscript, Variability,
+    ArgumentKind, Causality, ClassBody, ClassKind, Expr, Ident, Modification, Subscript,
+    Variability,
 };
 use crate::ir::expr::{Const, ExprId, Type};
 use crate::ir::instance::{ClassId, Declaration, Entry, EntryKind, Scope, SectionKind};
@@ -412,12 +413,18 @@ impl Evaluator<'_> {
         }
     }
 
-    /// The first names of all references in the binding and the sizes of a declaration.
+    /// The first names of all references in the binding, the values of fields and the sizes of a
+    /// declaration.
     pub(super) fn read_by(&self, entry: &Entry, declaration: &Declaration) -> Vec<Name> {
         let mut read: Vec<Name> = Vec::new();
         let mut see = |r: &crate::ir::ast::ComponentRef| read.push(r.parts[0].name.name);
         if let Some((binding, _)) = self.declared_value(entry, declaration) {
             super::implicit_ranges::in_expression(&binding, &mut see);
+        }
+        if let Some(modification) = &declaration.component().modification {
+            for (_, binding) in field_bindings(modification) {
+                super::implicit_ranges::in_expression(binding, &mut see);
+            }
         }
         read.extend(read_by_sizes(declaration));
         read
@@ -559,13 +566,8 @@ impl Evaluator<'_> {
         if let (Value::Record(record), Some(m)) = (&zero, &component.modification) {
             let mut fields = record.fields.clone();
             let class = record.class;
-            for argument in &m.args {
-                if let ArgumentKind::Element { path, modification: Some(inner), .. } =
-                    &argument.kind
-                    && let [field] = path.parts.as_slice()
-                    && let Some(binding) = &inner.binding
-                    && let Some(at) = fields.iter().position(|(n, _)| *n == field.name)
-                {
+            for (field, binding) in field_bindings(m) {
+                if let Some(at) = fields.iter().position(|(n, _)| *n == field) {
                     fields[at].1 = self.evaluate(binding, scope)?;
                 }
             }
@@ -575,6 +577,19 @@ impl Evaluator<'_> {
         let elements = vec![zero; n];
         Some(Value::array(dims, elements))
     }
+}
+
+/// The values that a modification gives to fields: `record r(x=1, y=2)`.
+fn field_bindings(modification: &Modification) -> impl Iterator<Item = (Name, &Arc<Expr>)> {
+    modification.args.iter().filter_map(|argument| match &argument.kind {
+        ArgumentKind::Element { path, modification: Some(inner), .. } => {
+            match path.parts.as_slice() {
+                [field] => Some((field.name, inner.binding.as_ref()?)),
+                _ => None,
+            }
+        }
+        _ => None,
+    })
 }
 
 /// The first names of all references in the sizes of a declaration.

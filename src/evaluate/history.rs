@@ -8,8 +8,9 @@ use super::cause::types::Expected;
 use super::random_draw::RandomDraw;
 use super::value::Value;
 use crate::base::source::Span;
+use crate::classes::unsupported::Construct;
 use crate::ir::ast::{Expr, Ident, Variability};
-use crate::ir::expr::{Binary, Carried, Const, ExprId, Node, Type, Unary, VarId};
+use crate::ir::expr::{Binary, Carried, Const, ExprId, FIRST_SYMBOL, Node, Type, Unary, VarId};
 use crate::ir::flat::AssertionLevel;
 use crate::ir::instance::Scope;
 
@@ -72,6 +73,9 @@ impl Evaluator<'_> {
         };
         let place = time.span;
         let (value, time) = (self.evaluate(e, scope)?, self.evaluate_scalar(time, scope)?);
+        let mut recorded = vec![time];
+        value.for_each_scalar(&mut |e| recorded.push(e));
+        self.check_recordable(&recorded, span)?;
         let varies = self.variability(time) > Variability::Parameter;
         if args.len() == 2 && varies {
             self.report(BuiltinCause::UnboundedDelay, place);
@@ -116,6 +120,17 @@ impl Evaluator<'_> {
             };
             Some(Value::Scalar(self.graph.intern(Node::Recorded(v, 0), Type::Real)))
         })
+    }
+
+    /// What changes with the iterations of a loop has no value between them that could be recorded.
+    fn check_recordable(&mut self, values: &[ExprId], span: Span) -> Option<()> {
+        let is_symbol =
+            |n: &ExprId| matches!(self.graph.node(*n), Node::Var(v) if v.0 >= FIRST_SYMBOL);
+        if self.graph.postorder(values.iter().copied()).iter().any(is_symbol) {
+            self.unsupported(span, Construct::HistoryInLoop);
+            return None;
+        }
+        Some(())
     }
 
     /// A variable after all others.
@@ -204,6 +219,7 @@ impl Evaluator<'_> {
             self.report_type(Expected::Boolean, &Value::Scalar(forward), span);
             return None;
         }
+        self.check_recordable(&[in0, in1, x, forward], span)?;
         let points = self.points(find(4, "initialPoints"), [0.0, 1.0], scope)?;
         let values = self.points(find(5, "initialValues"), [0.0, 0.0], scope)?;
         self.check_points(&points, &values, find(4, "initialPoints").map_or(span, |e| e.span))?;

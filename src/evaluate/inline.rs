@@ -88,7 +88,8 @@ impl Evaluator<'_> {
         })
     }
 
-    /// A call of the flat model's function.
+    /// A call of the flat model's function. An output that is a literal or an argument as it is needs no
+    /// call: the phase of a medium, an Integer that is zero, does not change between events.
     pub(super) fn call_flat(
         &mut self,
         body: &Specialization,
@@ -101,7 +102,16 @@ impl Evaluator<'_> {
         let mut outputs = (0..).zip(&function.types);
         Some(body.value.each_scalar(&mut |e| match outputs.next() {
             Some((output, ty)) => {
-                self.graph.intern(Node::Call { function: function.id, output, args }, *ty)
+                let known = match self.graph.as_const(e) {
+                    Some(_) => Some(e),
+                    None => body.symbols.iter().position(|s| *s == e).map(|k| all[k]),
+                };
+                match known.filter(|known| self.graph.ty(*known) == *ty) {
+                    Some(known) => known,
+                    None => {
+                        self.graph.intern(Node::Call { function: function.id, output, args }, *ty)
+                    }
+                }
             }
             None => e,
         }))

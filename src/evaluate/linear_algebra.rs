@@ -32,7 +32,7 @@ impl Evaluator<'_> {
         let (matrix, solution, info, rank) = match called {
             "dgesv" => (2, 5, 7, None),
             "dgelsy" => (3, 5, 12, Some(9)),
-            _ => return None,
+            _ => return self.lapack_on_factors(called, external),
         };
         let argument = |k: usize| external.args.get(k);
         let local = |k: usize| argument(k).and_then(name_of);
@@ -91,7 +91,7 @@ impl Evaluator<'_> {
     }
 }
 
-fn name_of(e: &Expr) -> Option<Name> {
+pub(super) fn name_of(e: &Expr) -> Option<Name> {
     match &e.kind {
         ExprKind::Ref(r) => r.simple(),
         _ => None,

@@ -131,9 +131,16 @@ impl Evaluator<'_> {
                 return None;
             }
         }
+        // A default of a field constructs the record again.
+        if self.open_records.contains(&class) {
+            self.report(CallCause::RecordInItself { class: full_name }, span);
+            return None;
+        }
         let outermost = !self.frames.in_function();
         let events = if outermost { self.events_of_arguments(&given) } else { FastSet::default() };
+        self.open_records.push(class);
         let built = self.with_frame(FrameKind::Function, |cx| cx.fields(&components, given));
+        self.open_records.pop();
         let built = match built {
             Ok(built) => built,
             Err(k) => {

@@ -5,7 +5,9 @@
 //! *Modelica Standard Library 4.1.0, `Modelica.Utilities.Files` and `Modelica.Utilities.Streams`.*
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+use super::component::Component;
 use super::{Data, Fault, integer, string};
 use crate::io::matrix_file::{self, Matrix};
 
@@ -13,6 +15,8 @@ use crate::io::matrix_file::{self, Matrix};
 pub trait Files {
     /// The contents of a file; the message says why it cannot be read.
     fn read(&mut self, path: &Path) -> Result<Vec<u8>, String>;
+    /// The foreign model in an FMU with this token; the message says why it cannot be used.
+    fn component(&mut self, path: &Path, token: &str) -> Result<Arc<dyn Component>, String>;
     /// The path of a `modelica://` URI; `None` if its package does not exist.
     fn resource(&mut self, uri: &str) -> Option<PathBuf>;
 }
@@ -101,6 +105,10 @@ mod tests {
         fn read(&mut self, path: &Path) -> Result<Vec<u8>, String> {
             let found = path == Path::new(self.0);
             found.then(|| self.1.into()).ok_or_else(|| "no such file".to_owned())
+        }
+
+        fn component(&mut self, _: &Path, _: &str) -> Result<Arc<dyn Component>, String> {
+            Err("there are no FMUs".to_owned())
         }
 
         fn resource(&mut self, uri: &str) -> Option<PathBuf> {

@@ -7,6 +7,7 @@
 //! implement [`External`].
 
 pub mod array_access;
+pub mod component;
 pub mod files;
 pub mod printf;
 pub mod split_u64;
@@ -21,6 +22,8 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use files::Files;
+
+use crate::base::diag::Diagnostic;
 
 /// A function of Reals that carries data, evaluated while the model is simulated.
 pub trait External: Debug + Send + Sync {
@@ -39,6 +42,10 @@ pub trait External: Debug + Send + Sync {
     }
     /// The array that it indexes, and whether its elements are Integers, if it is an array access.
     fn elements(&self) -> Option<(&[f64], bool)> {
+        None
+    }
+    /// Why the last call on this thread gave no number, once, if the function knows.
+    fn take_failure(&self) -> Option<Box<Diagnostic>> {
         None
     }
     /// True if `other` is the same function.

@@ -442,6 +442,7 @@ impl Wire for Program {
             recorded: Vec::new(),
             constants: Vec::new(),
             tapes: Wire::read(from)?,
+            rows: None,
             algebraics: Vec::<AlgebraicUnknown>::new(),
             jacobian_entries: Wire::read(from)?,
             state_sets: Wire::read(from)?,

@@ -20,6 +20,8 @@ pub enum ForeignRole {
     Constant,
     /// Set from outside while the model runs.
     Input,
+    /// Computed by the model, for its surroundings.
+    Output,
     /// Computed by the model.
     Computed,
 }

@@ -81,6 +81,8 @@ pub struct ClassTable {
     pub broken: bool,
     /// A base class does not exist, which was reported: names may be those of its elements.
     pub lacks_base: bool,
+    /// The classes that it extends or is a short form of, as it sees them.
+    pub bases: Vec<ClassId>,
     /// Dimensions that short class definitions add, each with the class that contains it.
     pub dims: Vec<(Vec<ast::Subscript>, ClassId)>,
     /// Prefixes that short classes add.

@@ -13,7 +13,8 @@
 //!
 //! Tapes run from rare to frequent: `parameters` once; `initial` once; `event` in each event
 //! iteration; `discrete` after each event; `rhs` at each evaluation of derivatives; at the same
-//! point then `jacobian`, or `roots` followed by `outputs`; `state_selection` after each step.
+//! point then `jacobian`, or `roots` followed by `outputs`; `state_selection` after each step. Rows
+//! between steps run `rows`, if there is one, in place of `rhs`, `roots` and `outputs`.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
@@ -488,6 +489,9 @@ pub struct Program {
     pub constants: Vec<VarId>,
     /// The tapes of the system itself.
     pub tapes: Tapes,
+    /// What the recorded variables and assertions need of `rhs`, `roots` and `outputs`, if that is
+    /// little: evaluates a row between steps. The other variables then keep earlier values.
+    pub rows: Option<Tape>,
     /// The unknowns beyond the states, and their equations; none in [`SystemForm::Ode`].
     pub algebraics: Vec<AlgebraicUnknown>,
     /// The structurally nonzero entries of the Jacobian, by row, then column.
@@ -575,6 +579,7 @@ impl Program {
             all.push(("block jacobian", &torn_block.jacobian_tape));
         }
         all.extend(self.routines.mixed_blocks.iter().map(|mixed| ("loop", &mixed.tape)));
+        all.extend(self.rows.iter().map(|tape| ("rows", tape)));
         all
     }
 
@@ -598,7 +603,8 @@ impl Program {
             .iter_mut()
             .flat_map(|s| [&mut s.residual_tape, &mut s.jacobian_tape]);
         let mixed_blocks = self.routines.mixed_blocks.iter_mut().map(|mixed| &mut mixed.tape);
-        for (number, tape) in own.into_iter().chain(blocks).chain(mixed_blocks).enumerate() {
+        let all = own.into_iter().chain(blocks).chain(mixed_blocks).chain(&mut self.rows);
+        for (number, tape) in all.enumerate() {
             tape.number = Some(number as u32);
         }
     }

@@ -10,6 +10,7 @@ use crate::base::diag::{Diagnostic, Problems};
 use crate::base::index::FastMap;
 use crate::base::name::{Name, name};
 use crate::base::source::{SourceMap, Span};
+use crate::external::component::Component;
 use crate::ir::ast;
 
 use super::cause::LibraryCause;
@@ -25,6 +26,10 @@ pub trait Folder {
     /// A data file, at the path itself or in this folder; `None` if the file does not exist, an
     /// error if it cannot be read or lies outside of what a model may read.
     fn data(&self, path: &Path) -> Option<Result<Vec<u8>, String>>;
+    /// The foreign model in an FMU, if this folder decides about it; an error if it may not or cannot be used.
+    fn component(&self, _path: &Path, _token: &str) -> Option<Result<Arc<dyn Component>, String>> {
+        None
+    }
     /// The path that diagnostics show for a file.
     fn display(&self, path: &Path) -> PathBuf;
 }
@@ -223,6 +228,12 @@ impl Library {
         let (package, path) = rest.split_once('/').unwrap_or((rest, ""));
         let (folder, root) = self.packages.get(&name(package))?;
         Some(self.folders[*folder].display(&root.join(path)))
+    }
+
+    /// The foreign model in an FMU with this token. The error says why it cannot be used.
+    pub fn component(&mut self, path: &Path, token: &str) -> Result<Arc<dyn Component>, String> {
+        let found = self.folders.iter().find_map(|folder| folder.component(path, token));
+        found.unwrap_or_else(|| Err("FMUs cannot be used here".to_owned()))
     }
 
     /// The content of a data file.

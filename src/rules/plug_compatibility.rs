@@ -13,7 +13,7 @@ use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::classes::ClassGraph;
 use crate::classes::cause::Incompatibility;
-use crate::ir::ast::{self, ElementKind};
+use crate::ir::ast::{self, ClassBody, ElementKind};
 use crate::ir::instance::{ClassId, ClassTable, Entry, EntryKind, InstanceId, Scope};
 use crate::ir::modification::{Layer, LayerSource};
 
@@ -87,6 +87,22 @@ fn check_own_constraint(cx: &mut ClassGraph<'_>, id: InstanceId, entry: &Entry) 
     }
 }
 
+/// Whether the outermost redeclaration names the same class as the next one, such as those of a
+/// component and of its constraining clause, both of which hold (section 7.3.2).
+fn repeats(cx: &mut ClassGraph<'_>, id: InstanceId, text: Name, found: &[Replacement]) -> bool {
+    let [outer, inner, ..] = found else { return false };
+    let both = [outer, inner].map(|r| match &r.element.kind {
+        ElementKind::Class(class) => match &class.body {
+            ClassBody::Short(short) if short.modification.is_none() => {
+                cx.find_class(&short.base, r.scope)
+            }
+            _ => None,
+        },
+        _ => replaced(cx, id, text, r),
+    });
+    matches!(both, [Some(a), Some(b)] if is_same(cx, a, b))
+}
+
 fn is_compatible(
     cx: &mut ClassGraph<'_>,
     id: InstanceId,
@@ -102,10 +118,10 @@ fn is_compatible(
     };
     // The type that it has already may always be written again.
     if !is_same(cx, before, after) {
-        let replaced = found.iter().skip(1).map(|r| (&r.element, r.span));
-        let replaced: Vec<_> = replaced.chain([(&entry.element, entry.name.span)]).collect();
-        for (replacement, (element, span)) in found.iter().zip(replaced) {
-            if element.replaceable.is_none() {
+        let inner = found.iter().skip(1).map(|r| (&r.element, r.span));
+        let replacements: Vec<_> = inner.chain([(&entry.element, entry.name.span)]).collect();
+        for (k, (replacement, (element, span))) in found.iter().zip(replacements).enumerate() {
+            if element.replaceable.is_none() && !repeats(cx, id, text, &found[k..]) {
                 cx.report_not_replaceable(text, replacement.span, span);
                 return false;
             }
@@ -213,7 +229,7 @@ fn incompatibility_with(
 
 /// `enumeration(:)`: any enumeration takes its place (section 4.8.5.4).
 fn is_open_enumeration(cx: &ClassGraph<'_>, class: ClassId) -> bool {
-    matches!(cx.definition(class).map(|t| &t.body), Some(ast::ClassBody::Enumeration(None)))
+    matches!(cx.definition(class).map(|t| &t.body), Some(ClassBody::Enumeration(None)))
 }
 
 /// As [`incompatibility`], whatever the dimensions.
@@ -251,7 +267,7 @@ pub(crate) fn incompatibility_without_sizes(
 fn own_rank(entry: &Entry) -> usize {
     match &entry.kind {
         EntryKind::Class(text) => match &text.body {
-            ast::ClassBody::Short(short) => short.dims.len(),
+            ClassBody::Short(short) => short.dims.len(),
             _ => 0,
         },
         EntryKind::Component(_) => 0,

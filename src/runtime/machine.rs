@@ -90,6 +90,8 @@ pub struct Machine<'p> {
     pub fault: Option<Fault>,
     /// How often a function did not return.
     pub endless_calls: u32,
+    /// Instructions that functions have executed since the last tape.
+    executed_in_functions: usize,
     /// Allows nonlinear blocks to switch to another solution branch at a fold. The integrator first
     /// tries whether a shorter step stays on the current branch.
     pub branch_switch: bool,
@@ -141,6 +143,7 @@ impl<'p> Machine<'p> {
             fault_memory: program.image.clone(),
             fault: None,
             endless_calls: 0,
+            executed_in_functions: 0,
             branch_switch: true,
             clamp_domain: false,
             relaxed: false,
@@ -292,11 +295,17 @@ impl<'p> Machine<'p> {
             return self.interpret::<true>(tape);
         }
         match tape.number {
-            Some(number) if self.tier.is_compiled(self.program, tape.len()) => {
-                self.run_machine_code(number)
-            }
+            Some(number) if self.is_compiled(tape.len()) => self.run_machine_code(number),
             _ => self.interpret::<false>(tape),
         }
+    }
+
+    /// True if machine code is available; the instructions that functions have executed since the
+    /// last tape count as interpreted too.
+    #[inline]
+    fn is_compiled(&mut self, instructions: usize) -> bool {
+        let inside = std::mem::take(&mut self.executed_in_functions);
+        self.tier.is_compiled(self.program, instructions + inside)
     }
 
     /// Executes the machine code of a tape, and interprets the instructions between its fragments.
@@ -477,10 +486,11 @@ impl<'p> Machine<'p> {
     fn run_body(&mut self, mut function: usize, depth: usize) -> Result<(), Fault> {
         let program = self.program;
         let mut tape = &program.routines.functions[function].tape;
-        let (mut at, mut jumps) = (0, 0);
+        let (mut at, mut jumps, mut executed) = (0, 0, 0);
         loop {
             let Some(i) = tape.get(at) else {
                 if self.frames.depth() == depth {
+                    self.executed_in_functions += executed;
                     return Ok(());
                 }
                 let back = self.frames.pop(program, &mut self.memory, 1);
@@ -489,6 +499,7 @@ impl<'p> Machine<'p> {
                 continue;
             };
             at += 1;
+            executed += 1;
             match i.op {
                 Op::Jump => at = i.a as usize,
                 Op::JumpUnless if self.memory[i.a as usize] == 0.0 => at = i.b as usize,

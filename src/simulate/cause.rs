@@ -89,9 +89,9 @@ causes! {
         warning MO0931 MoreBeyondBounds { time: f64 }
             => ("at time {time} s more variables are beyond their bounds");
         /// Events accumulate, and the solution passes the threshold at which they occur.
-        error MO0932 PassedThrough { time: f64, relation: String, events: u32, interval: f64 }
-            => ("at time {time} s the solution passes the border of `{relation}`: {events} events there \
-                 followed each other ever faster, the last after {interval:e} s"),
+        error MO0932 PassedThrough { time: f64, relation: String, events: u32 }
+            => ("at time {time} s the solution passes the border of `{relation}`: of {events} events there, \
+                 the last turned it back by less than rounding errors"),
             help("give the model a state of rest that it enters when the bounces become small, with \
                   its own equations");
         /// A comparison without events makes the steps collapse.
@@ -130,6 +130,10 @@ causes! {
         /// A model has no linear system at a point.
         error MO0939 NotLinear { time: f64, why: &'static str }
             => ("the model cannot be linearized at time {time} s: {why}");
+        /// A model that integrates itself stays where it is.
+        error MO0945 ForeignNoStep { time: f64 }
+            => ("the FMU makes no step at time {time} s"),
+            help("choose a longer `--interval`, or report this to the maker of the FMU");
         /// An invariant of mocc is violated.
         error MO0999 Bug { what: String }
             => ("{what}"), help("this is a bug in mocc, please report it with the model");

@@ -115,7 +115,7 @@ impl Simulation<'_, '_> {
         for k in 0..=probes as usize {
             let t =
                 if k as f64 == probes { end } else { begin + (end - begin) * (k as f64 / probes) };
-            self.evaluate_at(t)?;
+            self.evaluate_row_at(t)?;
             times.push(t);
             let machine = &self.system.machine;
             values.extend(self.extrema.tracked.iter().map(|w| w.sign * machine.get(w.slot)));
@@ -145,7 +145,7 @@ impl Simulation<'_, '_> {
     fn refine_extremum(&mut self, k: usize, begin: f64, end: f64) -> Result<(), Failure> {
         let (slot, sign) = (self.extrema.tracked[k].slot, self.extrema.tracked[k].sign);
         let mut failed = None;
-        let value = |t: f64| match self.evaluate_at(t) {
+        let value = |t: f64| match self.evaluate_row_at(t) {
             Ok(()) => sign * self.system.machine.get(slot),
             Err(failure) => {
                 failed.get_or_insert(failure);
@@ -156,7 +156,7 @@ impl Simulation<'_, '_> {
         if let Some(failure) = failed {
             return Err(failure);
         }
-        self.evaluate_at(t)?;
+        self.evaluate_row_at(t)?;
         self.update_extrema(t);
         Ok(())
     }

@@ -23,6 +23,7 @@ pub mod operating_point;
 mod options;
 pub mod ports;
 pub mod record;
+mod rows;
 pub mod run;
 pub mod sensitivity;
 pub mod settable;

@@ -9,7 +9,7 @@ use crate::integrate::outcome::Step;
 use crate::integrate::stats::Stats;
 use crate::integrate::stepper::JacobianMemory;
 use crate::ir::expr::VarId;
-use crate::ir::program::{Program, Sequence, Slot};
+use crate::ir::program::{Program, Slot};
 use crate::ir::trajectory::Trajectory;
 
 use super::bound_warnings::BoundWarnings;
@@ -22,13 +22,14 @@ use super::event::locate::Locator;
 use super::event::time_events::Clocks;
 use super::event::zeno::{Accumulation, Bounces};
 use super::extrema::ExtremaSearch;
-use super::failure::non_finite::{Explainer, relation_text};
-use super::failure::{Failure, of_fault, of_integration, start_failure};
+use super::failure::non_finite::relation_text;
+use super::failure::{Failure, FailureKind, of_fault, of_integration, start_failure};
 use super::initialization::{Start, StartError, initialise};
 use super::integers::integers;
 use super::method::{Choice, Integrator};
 use super::options::options;
 use super::record::{Recorder, Sink};
+use super::rows::has_own_rows;
 use super::sensitivity::{Input, Sensitivity, with_inputs};
 use super::settings::Settings;
 use super::slow_progress::ProgressWatch;
@@ -161,8 +162,11 @@ fn run_to(
     if let Some(foreign) = &program.foreign {
         return super::foreign::run_to(foreign, program, settings, inputs, sink);
     }
-    let mut simulation = Simulation::begin(program, settings, inputs, sources, sink)?;
-    let outcome = simulation.run();
+    // Of a failure of an earlier run nobody wants to know.
+    let _ = external_failure(program);
+    let begun = Simulation::begin(program, settings, inputs, sources, sink);
+    let mut simulation = begun.map_err(|failure| with_external(program, failure))?;
+    let outcome = simulation.run().map_err(|failure| with_external(program, failure));
     simulation.recorder.flush(simulation.sink);
     simulation.sink.end();
     outcome?;
@@ -174,6 +178,19 @@ fn run_to(
     statistics.extremum_times = simulation.extrema.times();
     statistics.elapsed = started.elapsed();
     Ok(statistics)
+}
+
+/// Why an external function gave no number on this thread.
+fn external_failure(program: &Program) -> Option<Box<Diagnostic>> {
+    program.externals().all().iter().find_map(|f| f.take_failure())
+}
+
+/// A failure, or that of the external function behind it.
+fn with_external(program: &Program, failure: Failure) -> Failure {
+    match external_failure(program) {
+        Some(diagnostic) => Failure { kind: FailureKind::Numerics, diagnostic, ..failure },
+        None => failure,
+    }
 }
 
 /// Runs a program to its end; returns the system there, the instant, s, and the states.
@@ -242,6 +259,8 @@ pub struct Simulation<'p, 's> {
     pub(super) ended: bool,
     pub(super) extrema: ExtremaSearch,
     pub(super) sensitivity: Option<Box<Sensitivity>>,
+    /// Rows between steps need no full evaluation.
+    pub(super) has_own_rows: bool,
 }
 
 impl<'p, 's> Simulation<'p, 's> {
@@ -284,6 +303,7 @@ impl<'p, 's> Simulation<'p, 's> {
         if sink.wants_constants() {
             sink.constants(constants(&system.machine));
         }
+        let has_own_rows = has_own_rows(&system, settings);
         let mut simulation = Simulation {
             program,
             sources,
@@ -313,6 +333,7 @@ impl<'p, 's> Simulation<'p, 's> {
             ended: false,
             extrema: ExtremaSearch::new(program, &settings.extrema, t, spacing),
             sensitivity,
+            has_own_rows,
         };
         simulation.system.machine.undetermined = None;
         simulation.record(t)?;
@@ -338,6 +359,8 @@ impl<'p, 's> Simulation<'p, 's> {
         }
         self.statistics.end = self.t;
         let ends_by_itself = !self.statistics.interrupted;
+        // What follows reads variables that are not recorded.
+        self.complete_memory()?;
         if self.program.events.reads_terminal && ends_by_itself {
             self.terminal_event()
         } else {
@@ -444,6 +467,7 @@ impl<'p, 's> Simulation<'p, 's> {
     /// Checks and records the step that ends at `t` without an event, and advances to `t`.
     fn complete_step(&mut self, t: f64) -> Result<(), Failure> {
         self.locator.on_step(&self.system.machine);
+        self.note_turns()?;
         self.check_accumulation()?;
         self.warn_of_undetermined(t);
         // An assertion violated at the end may have been violated at an earlier row.
@@ -607,70 +631,23 @@ impl<'p, 's> Simulation<'p, 's> {
         Ok(changed)
     }
 
-    /// Evaluates all variables at an instant of the last step, with relations held.
-    pub(super) fn evaluate_at(&mut self, t: f64) -> Result<(), Failure> {
+    /// Takes the states at an instant of the last step.
+    pub(super) fn interpolate(&mut self, t: f64) {
         if t == self.stepper.t() {
             self.y.copy_from_slice(self.stepper.y());
         } else {
             self.stepper.interpolate(t, &mut self.y);
         }
+    }
+
+    /// Evaluates all variables at an instant of the last step, with relations held.
+    pub(super) fn evaluate_at(&mut self, t: f64) -> Result<(), Failure> {
+        self.interpolate(t);
         let mut evaluated = self.system.evaluate_all(t, &self.y);
         if evaluated.is_err_and(is_domain_fault) && self.system.left_domain {
             evaluated = self.system.evaluate_all_clamped(t, &self.y);
         }
         evaluated.map_err(|f| of_fault(&self.system.machine, f, t))
-    }
-
-    /// Records the rows of the output grid up to `end`, and updates the extrema.
-    pub(super) fn record_grid(&mut self, end: f64, inclusive: bool) -> Result<(), Failure> {
-        self.search_extrema(end)?;
-        while let Some(at) = self.recorder.due(end, inclusive) {
-            self.evaluate_at(at)?;
-            // A long step may end where the assertions hold again.
-            self.check_assertions(at)?;
-            self.take_row(at)?;
-            self.put_row(at);
-            self.recorder.advance();
-        }
-        Ok(())
-    }
-
-    /// Records a row at `t` with the states in `self.y`.
-    pub(super) fn record(&mut self, t: f64) -> Result<(), Failure> {
-        let evaluated = self.system.evaluate_all(t, &self.y);
-        evaluated.map_err(|f| of_fault(&self.system.machine, f, t))?;
-        self.take_row(t)?;
-        self.update_extrema(t);
-        self.put_row(t);
-        Ok(())
-    }
-
-    /// Copies the values in the memory to the next row.
-    pub(super) fn take_row(&mut self, t: f64) -> Result<(), Failure> {
-        let mut taken = self.recorder.take(&self.system.machine);
-        if taken.is_err() && self.system.left_domain {
-            let evaluated = self.system.evaluate_all_clamped(t, &self.y);
-            evaluated.map_err(|f| of_fault(&self.system.machine, f, t))?;
-            taken = self.recorder.take(&self.system.machine);
-        }
-        if taken.is_ok() {
-            let (memory, warnings) = (&self.system.machine.memory, &mut self.statistics.warnings);
-            self.bound_warnings.check(self.program, memory, t, warnings);
-            self.evaluate_row_sensitivities(t)?;
-        }
-        taken.map_err(|v| {
-            let explainer = Explainer::new(self.program, &self.system.machine.memory);
-            Failure::numerics(t, explainer.not_finite(v, Sequence::Continuous, t))
-        })
-    }
-
-    pub(super) fn put_row(&mut self, t: f64) {
-        self.statistics.rows += 1;
-        self.recorder.put(t, self.sink);
-        if let Some(s) = &self.sensitivity {
-            self.recorder.flush(self.sink);
-            self.sink.slopes(s.slopes());
-        }
     }
 
     pub(super) fn relation_text(&mut self, k: u32) -> String {

@@ -116,8 +116,10 @@ impl<'p> Stepping<'p> {
 
     /// Evaluates all variables at the communication point.
     pub fn evaluate(&mut self) -> Result<(), Failure> {
-        if self.simulation.t == self.now && self.pending.is_none() {
-            // After the last event, which may have changed the states.
+        // After an ordinary step `y` holds the states of the last row of the grid, those of the stepper are meant; after
+        // the event that ends the run the stepper is not started again.
+        let is_at_event = self.simulation.ended || self.simulation.stepper.t() != self.now;
+        if self.simulation.t == self.now && self.pending.is_none() && is_at_event {
             let y = self.simulation.y.clone();
             let evaluated = self.simulation.system.evaluate_all(self.now, &y);
             if evaluated.is_ok() {

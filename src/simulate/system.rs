@@ -160,6 +160,15 @@ impl<'p> HybridSystem<'p> {
         self.machine.run(&program.tapes.outputs)
     }
 
+    /// Evaluates what a row between steps needs at `(t, y)`, with relations held; other variables
+    /// keep earlier values. Only if the program has a tape for it, and the solution does not slide.
+    pub fn evaluate_row(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
+        self.probes.is_current = false;
+        let program = self.machine.program;
+        self.machine.set_point(t, &y[..program.order()]);
+        program.rows.as_ref().map_or(Ok(()), |tape| self.machine.run(tape))
+    }
+
     /// Evaluates derivatives, zero-crossing indicators and assertions at `(t, y)`.
     pub fn evaluate_roots(&mut self, t: f64, y: &[f64]) -> Result<(), Fault> {
         self.probes.is_current = false;

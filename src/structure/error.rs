@@ -24,7 +24,7 @@ causes! {
         /// There are more equations than unknowns.
         error MO0402 TooManyEquations { equations: usize, unknowns: usize, excess: usize, names: String }
             (section "8.4")
-            => ("{}", too_many(*equations, *unknowns, names)), remedy(Some(remove(*excess)));
+            => ("{}", too_many(*equations, *unknowns, names)), remedy(Some(remove(*excess, *unknowns)));
         /// Constraints repeat or contradict each other for all values.
         error MO0403 DependentEquations
             => ("these equations repeat or contradict each other: the model has no unique solution"),
@@ -360,11 +360,16 @@ fn too_many(equations: usize, unknowns: usize, names: &str) -> String {
     }
 }
 
-fn remove(excess: usize) -> String {
-    if excess == 1 {
+fn remove(excess: usize, unknowns: usize) -> String {
+    let remedy = if excess == 1 {
         "remove one of these equations, or make a known quantity in them unknown".to_owned()
     } else {
         format!("remove {excess} of these equations, or make known quantities in them unknown")
+    };
+    // Balances without an unknown are those of connections that leave a level open.
+    match unknowns {
+        0 => format!("{remedy}; connected parts need a ground, a fixed place or a reference"),
+        _ => remedy,
     }
 }
 

@@ -6,7 +6,7 @@
 
 use super::incidence::EquationSystem;
 use super::structural_zeros::StructuralZeros;
-use super::{explain, is_continuous, reduce, redundant_initial, sort};
+use super::{explain, is_continuous, name_order, reduce, redundant_initial, sort};
 use crate::base::diag::Problems;
 use crate::base::index::{Id, IndexVec};
 use crate::graph::augment::AugmentingSearch;
@@ -87,11 +87,11 @@ fn specified(dae: &Dae) -> EquationSystem {
 
 /// The unknowns whose start values may be assumed, best first: states with a written
 /// start value, variables preferred as states with one, states, then differentiated variables, then
-/// the others by priority.
+/// the others by priority, and by name where nothing else decides.
 fn candidates(dae: &Dae, is_state: &IndexVec<VarId, bool>, system: &EquationSystem) -> Vec<Col> {
     let mut candidates: Vec<Col> = system.unknowns.ids().collect();
-    candidates.sort_by_key(|col| {
-        let v = system.unknowns[*col];
+    let preference = |col: Col| {
+        let v = system.unknowns[col];
         let variable = &dae.variables[v];
         let is_differentiated = matches!(variable.kind, VariableKind::Differentiated { .. });
         let priority = reduce::priority(variable);
@@ -101,13 +101,12 @@ fn candidates(dae: &Dae, is_state: &IndexVec<VarId, bool>, system: &EquationSyst
         // that the model prefers as a state.
         let is_preferred = variable.state_select >= StateSelect::Prefer && !variable.hidden;
         let has_start = variable.start.is_some() && (is_state || is_preferred);
-        std::cmp::Reverse((
-            has_start,
-            is_state,
-            is_differentiated && !variable.hidden,
-            priority,
-            std::cmp::Reverse(v),
-        ))
+        (has_start, is_state, is_differentiated && !variable.hidden, priority)
+    };
+    let name = |col: Col| &*dae.variables[system.unknowns[col]].name;
+    candidates.sort_by(|a, b| {
+        let preferred = preference(*b).cmp(&preference(*a));
+        preferred.then_with(|| name_order::compare(name(*a), name(*b)))
     });
     candidates
 }

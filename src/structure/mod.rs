@@ -18,6 +18,7 @@ pub mod incidence;
 pub mod initial;
 mod initial_propagation;
 mod inline;
+mod name_order;
 mod parameter_values;
 pub mod print;
 pub mod reduce;

@@ -2,7 +2,7 @@
 
 use super::function_derivative::FunctionDerivatives;
 use super::incidence::EquationSystem;
-use super::{apply, error, inline, is_continuous, solve};
+use super::{apply, error, inline, is_continuous, name_order, solve};
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::graph::bipartite::{Col, Edge, Row};
@@ -50,11 +50,7 @@ fn reduce_with(
     mut functions: FunctionDerivatives,
     problems: &mut Problems,
 ) -> Option<Reduced> {
-    // Among equals, the variable declared later becomes a dummy first: columns are in reverse
-    // order.
-    let sources = dae.equations.ids().map(Source::Continuous).collect();
-    let unknowns = dae.variables.ids().rev().filter(|v| is_continuous(dae, *v)).collect();
-    let system = EquationSystem::new(dae, sources, unknowns);
+    let system = system_by_name(dae);
     let derivative = derivatives(dae, &system);
     let not_differentiable: Vec<Row> = (dae.equations.ids())
         .filter(|id| calls_a_function(dae, dae.equations[*id].residual))
@@ -106,6 +102,15 @@ fn reduce_with(
     });
     let pivots = pivots.collect();
     Some(Reduced { is_state, pivots })
+}
+
+/// All continuous equations and variables. Among equals, the variable whose name comes later becomes a dummy
+/// first, whatever the order of declarations: columns are in reverse order of the names.
+fn system_by_name(dae: &Dae) -> EquationSystem {
+    let sources = dae.equations.ids().map(Source::Continuous).collect();
+    let mut unknowns: Vec<VarId> = dae.variables.ids().filter(|v| is_continuous(dae, *v)).collect();
+    unknowns.sort_by(|a, b| name_order::compare(&dae.variables[*b].name, &dae.variables[*a].name));
+    EquationSystem::new(dae, sources, unknowns)
 }
 
 /// All continuous equations in all continuous variables, states and derivatives included.

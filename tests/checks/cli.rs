@@ -260,6 +260,29 @@ fn files_of_a_library_belong_to_it() {
     assert!(good(".", &["flatten", "Lamp.mo"]).contains("model Lamp"));
 }
 
+/// A class in a file of its own belongs to the packages that extend its package, and to those that
+/// are another name for it.
+#[test]
+fn classes_in_files_are_inherited() {
+    let folder = Scratch::new();
+    let package = "within Hall;\npackage Base\n  constant Real c = 2;\nend Base;\n";
+    let function =
+        "within Hall.Base;\nfunction f\n  input Real x;\n  output Real y = c*x;\nend f;\n";
+    folder.file("libraries/Hall/package.mo", "within;\npackage Hall\nend Hall;\n");
+    folder.file("libraries/Hall/Base/package.mo", package);
+    folder.file("libraries/Hall/Base/f.mo", function);
+    let user = "model User\n  package Extended\n    extends Hall.Base(c = 5);\n  end Extended;\n  \
+                replaceable package Other = Hall.Base;\n  Real a = Extended.f(time);\n  \
+                Real b = Other.f(time);\nend User;\n";
+    folder.file("user.mo", user);
+    let arguments = ["simulate", "user.mo", "--output", "u.csv", "--lib", "libraries"];
+    let ended = mocc(folder.path(), &arguments);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+    let table = read_csv(folder.path().join("u.csv")).expect("a table");
+    let last = |name: &str| *table.values(name).expect("a column").last().expect("a row");
+    assert_eq!((last("a"), last("b")), (5.0, 2.0));
+}
+
 /// The version that `uses` asks for is taken, else the newest; another one is warned of unless it serves.
 #[test]
 fn libraries_come_in_the_version_that_is_asked_for() {
@@ -484,4 +507,15 @@ fn a_full_disk_behind_the_messages_is_no_bug() {
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_mocc"));
     command.current_dir(scratch.path()).arg("flatten").arg(&fine).stdout(full());
     assert_eq!(command.output().expect("mocc starts").status.code(), Some(2));
+}
+
+/// A large flat model is printed by two threads; a sum is nested as deeply as it has terms.
+#[test]
+fn a_long_sum_of_a_large_model_is_printed() {
+    let scratch = Scratch::new();
+    let model = "model Large\n  Real x[25000] = fill(time, 25000);\n  Real s;\nequation\n  s = sum(x);\nend Large;\n";
+    scratch.file("large.mo", model);
+    let ended = mocc(scratch.path(), &["flatten", "large.mo"]);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    assert!(ended.out.ends_with("end Large;\n"));
 }

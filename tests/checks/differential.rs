@@ -2,7 +2,7 @@
 //! and the lines of a model in another order must agree to the tolerance, or say why not.
 //!
 //! Every model of the suite and the examples that runs without errors is run in each way by the program
-//! itself; a row near the end is compared, each variable with what it reaches during the run.
+//! itself; rows throughout the run are compared, each variable with what it reaches during the run.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,9 +15,9 @@ use super::suite::case::{cases, stages};
 
 /// Distance of two results, relative to the largest value of the variable.
 const AGREEMENT: f64 = 1e-3;
-/// Where in the run results are compared, as a fraction of it: at its end there may be an event, and rounding
-/// decides whether it still happens.
-const COMPARED: f64 = 0.973;
+/// Where in the run results are compared, as fractions of it: at its end, and at simple fractions, there may be
+/// an event, and rounding decides whether it still happens.
+const COMPARED: [f64; 6] = [0.1234, 0.2871, 0.4463, 0.6139, 0.7877, 0.973];
 /// Values below this are zero.
 const NOTHING: f64 = 1e-9;
 /// Limit of each run, s.
@@ -30,7 +30,7 @@ fn ways_to_the_same_result_agree() {
 }
 
 /// `MOCC_BINARY=target/release/mocc cargo test --test all -- --ignored --nocapture differential::`; with
-/// `MOCC_MODELS=DIR` the models in the files of a folder are compared as well.
+/// `MOCC_MODELS=DIR` the models in the files of a folder are compared instead.
 #[test]
 #[ignore = "takes some minutes"]
 fn all_ways_to_the_same_result_agree() {
@@ -38,8 +38,8 @@ fn all_ways_to_the_same_result_agree() {
     assert!(found.is_empty(), "{} disagree:\n{}", found.len(), found.join("\n"));
 }
 
-/// The largest absolute value of each variable, and the one that is compared.
-type Outcome = BTreeMap<String, (f64, f64)>;
+/// The largest absolute value of each variable, and those that are compared.
+type Outcome = BTreeMap<String, (f64, Vec<f64>)>;
 
 /// Compares every `each`-th model until the time is over; the disagreements, one a line.
 fn compare(time: Duration, each: usize) -> Vec<String> {
@@ -109,22 +109,22 @@ fn first_words(message: &str) -> String {
 /// Names and texts.
 fn models_of_the_repository() -> Vec<(String, String)> {
     let mut all: Vec<(String, String)> = Vec::new();
-    for case in stages().iter().flat_map(|s| cases(s).unwrap_or_else(|why| panic!("{why}"))) {
+    let given = std::env::var_os("MOCC_MODELS").map(PathBuf::from);
+    let suite = if given.is_some() { Vec::new() } else { stages() };
+    for case in suite.iter().flat_map(|s| cases(s).unwrap_or_else(|why| panic!("{why}"))) {
         if case.problems.is_empty() && case.status == 0 {
             all.push((case.full_name(), case.model.clone()));
         }
     }
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")];
-    folders.extend(std::env::var_os("MOCC_MODELS").map(PathBuf::from));
-    for folder in folders {
-        let entries = std::fs::read_dir(folder).expect("a folder").flatten();
-        let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
-        paths.sort();
-        let is_model = |p: &PathBuf| p.extension().is_some_and(|e| e == "mol" || e == "mo");
-        for path in paths.into_iter().filter(is_model) {
-            let text = std::fs::read_to_string(&path).expect("a text");
-            all.push((path.display().to_string(), text));
-        }
+    let examples = || Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let folder = given.unwrap_or_else(examples);
+    let entries = std::fs::read_dir(folder).expect("a folder").flatten();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+    paths.sort();
+    let is_model = |p: &PathBuf| p.extension().is_some_and(|e| e == "mol" || e == "mo");
+    for path in paths.into_iter().filter(is_model) {
+        let text = std::fs::read_to_string(&path).expect("a text");
+        all.push((path.display().to_string(), text));
     }
     all
 }
@@ -174,21 +174,28 @@ fn read(table: &str) -> Outcome {
         .map(|line| line.split(',').map(|value| value.parse().unwrap_or(f64::NAN)).collect())
         .collect();
     let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Outcome::new() };
-    let time = first[0] + COMPARED * (last[0] - first[0]);
-    let row = rows.iter().rev().find(|row| row[0] <= time).unwrap_or(first);
+    let at = |fraction: f64| {
+        let time = first[0] + fraction * (last[0] - first[0]);
+        rows.iter().rev().find(|row| row[0] <= time).unwrap_or(first)
+    };
+    let compared = COMPARED.map(at);
     let largest = |k: usize| rows.iter().map(|row| row[k].abs()).fold(0.0, f64::max);
-    names.into_iter().enumerate().map(|(k, name)| (name, (largest(k), row[k]))).collect()
+    let values = |k: usize| compared.iter().map(|row| row[k]).collect();
+    names.into_iter().enumerate().map(|(k, name)| (name, (largest(k), values(k)))).collect()
 }
 
 /// The first variable of which two runs say something else.
 fn difference(reference: &Outcome, other: &Outcome) -> Option<String> {
-    if (reference["time"].1 - other["time"].1).abs() > AGREEMENT * reference["time"].1.abs() {
-        return Some(format!("ends at {} instead of {}", other["time"].1, reference["time"].1));
+    let ends = |outcome: &Outcome| outcome["time"].0;
+    if (ends(reference) - ends(other)).abs() > AGREEMENT * ends(reference) {
+        return Some(format!("ends at {} instead of {}", ends(other), ends(reference)));
     }
+    let times = &reference["time"].1;
     reference.iter().find_map(|(name, (size, expected))| {
         // Derivatives of fast components follow from the others, with a larger error.
         let (_, found) = other.get(name).filter(|_| !name.starts_with("der("))?;
-        let differs = (found - expected).abs() > AGREEMENT * size + NOTHING;
-        differs.then(|| format!("`{name}` is {found} instead of {expected}"))
+        let differs = |k: &usize| (found[*k] - expected[*k]).abs() > AGREEMENT * size + NOTHING;
+        let k = (0..COMPARED.len()).find(differs)?;
+        Some(format!("`{name}` is {} instead of {} at {} s", found[k], expected[k], times[k]))
     })
 }

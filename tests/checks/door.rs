@@ -207,6 +207,13 @@ impl Compiled {
     pub fn run(&self) -> Trajectory {
         self.run_with_warnings().0
     }
+    /// The message of a run that fails.
+    pub fn fails(&self) -> String {
+        match simulate(&self.program, &self.settings, &self.session.sources) {
+            Ok(_) => panic!("the run does not fail"),
+            Err(failure) => render(&failure.diagnostic, &self.session.sources, Style::Plain),
+        }
+    }
     /// The trajectory, and what was warned of on the way.
     pub fn run_with_warnings(&self) -> (Trajectory, Vec<Diagnostic>) {
         match simulate(&self.program, &self.settings, &self.session.sources) {

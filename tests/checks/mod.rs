@@ -37,6 +37,7 @@ mod reference;
 mod regression;
 mod report;
 mod results;
+mod rows;
 mod sensitivity;
 mod stages;
 mod start;

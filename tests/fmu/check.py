@@ -286,6 +286,112 @@ def imports(mocc: str, folder: Path) -> None:
         imported(mocc, str(fmu), folder)
 
 
+def steps_off_the_grid(mocc: str, folder: Path) -> None:
+    """Values at communication points that are no rows of the default run: sums of held inputs."""
+    fmu = str(folder / "off.fmu")
+    run(mocc, "export", "fmu", "tests/fmu/models.mo", "--model", "Hybrid.Integrator", "--fmi", "3", "-o", fmu)
+    unpacked = extract(fmu)
+    for size in (0.07, 0.1, 0.23):
+        instance, references = slave(fmu, unpacked)
+        expected = 0.0
+        for k in range(15):
+            instance.setFloat64([references["u"]], [0.01 * k])
+            instance.doStep(k * size, size)
+            expected += 0.01 * k * size
+            found = instance.getFloat64([references["y"]])[0]
+            expect(abs(found - expected) < 1e-9, f"after {k + 1} steps of {size} s: {found}, {expected}")
+    print("  steps off the grid")
+
+
+PLANT = """
+model Plant
+  {blocks}
+equation
+  {equations}
+  annotation(experiment(StopTime = 2));
+end Plant;
+"""
+
+
+def components(mocc: str, folder: Path) -> None:
+    """An FMU inside a model holds its inputs from one communication point to the next: sums in closed form."""
+    for version in ("2", "3"):
+        fmu = folder / f"part{version}.fmu"
+        model = ["tests/fmu/models.mo", "--model", "Hybrid.Integrator"]
+        run(mocc, "export", "fmu", *model, "--fmi", version, "-o", str(fmu))
+        run(mocc, "import", str(fmu), "-o", str(folder / "Part.mo"), "--name", "Part")
+        plant = folder / "plant.mo"
+        blocks = "Part a(k = 3); Part b(k = 2, communicationStep = 0.25, isInverted = true); Part c;"
+        equations = "a.u = 1 - a.y; b.u = cos(time); c.u = -b.y;"
+        part = (folder / "Part.mo").read_text()
+        plant.write_text(part + PLANT.format(blocks=blocks, equations=equations))
+        refused = subprocess.run([mocc, "simulate", str(plant)], cwd=folder, capture_output=True, text=True)
+        expect(refused.returncode != 0 and "--allow-fmu" in refused.stderr, f"foreign code on its own: {refused.stderr}")
+        run(mocc, "simulate", str(plant), "--allow-fmu", str(fmu), "--output", str(folder / "plant.csv"))
+        with open(folder / "plant.csv") as file:
+            names = [column.split(" [")[0] for column in next(csv.reader(file))]
+        rows = np.genfromtxt(folder / "plant.csv", delimiter=",", skip_header=1)
+        last = dict(zip(names, rows[-1]))
+        expect(abs(last["a.y"] - (1 - 0.7**20)) < 1e-6, f"a loop through an FMU: {last['a.y']}")
+        expected = -0.5 * np.cos(0.25 * np.arange(8)).sum()
+        expect(abs(last["b.y"] - expected) < 1e-6, f"a sampled input: {last['b.y']}, {expected}")
+        expect(last["a.isHigh"] == 1 and last["c.n"] == np.floor(last["c.y"]), "outputs of other types")
+    sweep = folder / "sweep.csv"
+    arguments = ["--vary", "a.k=1:5:9", "--measure", "y = final(a.y)", "--allow-fmu", str(fmu), "--output", str(sweep)]
+    run(mocc, "sweep", str(plant), *arguments)
+    found = np.genfromtxt(sweep, delimiter=",", names=True)
+    expected = [1 - (1 - 0.1 * k) ** 20 for k in np.linspace(1, 5, 9)]
+    expect(np.allclose(found["y"], expected, atol=1e-6), f"a sweep: {found['y']}")
+    print("  components")
+
+
+def coupled(mocc: str, folder: Path) -> None:
+    """Two FMUs in libcosim, where it is installed: y of the one integrates that of the other, 0 after one step."""
+    try:
+        from libcosimpy.CosimExecution import CosimExecution
+        from libcosimpy.CosimObserver import CosimObserver
+        from libcosimpy.CosimSlave import CosimLocalSlave
+    except ImportError:
+        return
+    fmu = str(folder / "coupled.fmu")
+    run(mocc, "export", "fmu", "tests/fmu/models.mo", "--model", "Hybrid.Integrator", "--fmi", "2", "-o", fmu)
+    references = {v.name: v.valueReference for v in read_model_description(fmu).modelVariables}
+    execution = CosimExecution.from_step_size(100_000_000)
+    first, second = (execution.add_local_slave(CosimLocalSlave(fmu, name)) for name in ("first", "second"))
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer)
+    execution.real_initial_value(first, references["u"], 1.0)
+    execution.connect_real_variables(first, references["y"], second, references["u"])
+    execution.step(20)
+    x = observer.last_real_values(first, [references["y"]])[0]
+    y = observer.last_real_values(second, [references["y"]])[0]
+    # Inputs are held: 0.1 s times the sum of the values before, with or without that of the last step.
+    expect(abs(x - 2) < 1e-6 and any(abs(y - 0.01 * s) < 1e-6 for s in (171, 190)), f"libcosim: {x}, {y}")
+    print("  libcosim")
+
+
+def two_in_one_process(mocc: str, folder: Path) -> None:
+    """Two different FMUs in this process step by turns and agree with each alone."""
+    found = []
+    for model in ("examples/valve52.mol", "examples/valve32.mol"):
+        fmu = str(folder / f"{Path(model).stem}_two.fmu")
+        run(mocc, "export", "fmu", model, "--fmi", "3", "-o", fmu)
+        unpacked = extract(fmu)
+        alone, _ = slave(fmu, unpacked)
+        together, _ = slave(fmu, unpacked)
+        floats = [v.valueReference for v in read_model_description(fmu).modelVariables if v.type == "Float64"]
+        found.append((alone, together, floats[1:50]))
+    for alone, _, _ in found:
+        for k in range(50):
+            alone.doStep(k * 1e-3, 1e-3)
+    for k in range(50):
+        for _, together, _ in found:
+            together.doStep(k * 1e-3, 1e-3)
+    for alone, together, read in found:
+        expect(list(alone.getFloat64(read)) == list(together.getFloat64(read)), "two FMUs in one process")
+    print("  two FMUs in one process")
+
+
 def main() -> None:
     mocc = str(Path(sys.argv[1]).resolve())
     with tempfile.TemporaryDirectory() as folder:
@@ -296,6 +402,10 @@ def main() -> None:
             derivatives(mocc, Path(folder))
             casadi_reads_the_jacobian(mocc, Path(folder))
             imports(mocc, Path(folder))
+            steps_off_the_grid(mocc, Path(folder))
+            components(mocc, Path(folder))
+            coupled(mocc, Path(folder))
+            two_in_one_process(mocc, Path(folder))
     if failures:
         raise SystemExit(f"{len(failures)} findings")
 

@@ -68,4 +68,18 @@ package Hybrid "Models for the tests of FMUs"
     der(b) = exp(-a) - z;
     annotation(experiment(StopTime = 1));
   end Smooth;
+
+  model Integrator "A part of a model"
+    parameter Real k(unit = "1/s") = 1 "Gain";
+    parameter Boolean isInverted = false;
+    input Real u "Input";
+    output Real y(start = 0, fixed = true) "Integral";
+    output Integer n "Whole part";
+    output Boolean isHigh;
+  equation
+    der(y) = if isInverted then -k*u else k*u;
+    n = integer(y);
+    isHigh = y > 0.5;
+    annotation(experiment(StopTime = 2, Interval = 0.1));
+  end Integrator;
 end Hybrid;

@@ -1,4 +1,4 @@
-//! Arguments of `export`.
+//! Arguments of `export` and `import`.
 
 use std::path::PathBuf;
 
@@ -42,6 +42,23 @@ pub struct ExportFmu {
     /// Add the source files of the model to the archive.
     #[arg(long)]
     pub with_source: bool,
+    /// Print nothing but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// The FMU to use in models.
+#[derive(Args, Debug)]
+pub struct Import {
+    /// The FMU.
+    #[arg(value_name = "FMU")]
+    pub file: PathBuf,
+    /// File to write [default: the name of the block, with `.mo`].
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Name of the block [default: that of the FMU's file].
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
     /// Print nothing but errors.
     #[arg(long, short)]
     pub quiet: bool,

@@ -17,7 +17,7 @@ use std::ffi::OsString;
 use clap::{CommandFactory, Parser, Subcommand};
 
 use super::Status;
-use export::Export;
+use export::{Export, Import};
 use inspect::{Check, Explain, Flatten, Format, Structure};
 use linear::{Linearize, Steady};
 use project::{Completions, Doc, Library, Man, New, Test};
@@ -87,6 +87,8 @@ pub enum Command {
     Linearize(Linearize),
     /// Write a model as a file for other tools.
     Export(Export),
+    /// Write a block that uses an FMU as a component of models.
+    Import(Import),
     /// Print how a model is solved: states, blocks, differentiated equations.
     Structure(Structure),
 }

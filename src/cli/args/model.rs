@@ -25,6 +25,9 @@ pub struct Model {
     /// Folder whose data files the model may read, in addition to its own and those of libraries; repeatable.
     #[arg(long, value_name = "DIR")]
     pub allow_read: Vec<PathBuf>,
+    /// FMU, or folder with FMUs, that components of the model may run: foreign code; repeatable.
+    #[arg(long, value_name = "FILE")]
+    pub allow_fmu: Vec<PathBuf>,
 }
 
 /// Limits of a command.
@@ -45,9 +48,9 @@ pub struct Limits {
 impl Model {
     /// The request to the compiler.
     pub fn request(&self) -> Request {
-        let settings = self.settings.clone();
+        let (settings, fmus) = (self.settings.clone(), self.allow_fmu.clone());
         let request = request(&self.file, &self.model, &self.folders, &self.allow_read);
-        Request { settings, ..request }
+        Request { settings, fmus, ..request }
     }
 }
 

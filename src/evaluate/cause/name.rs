@@ -11,19 +11,23 @@ causes! {
         /// A name is not declared.
         error MO0202 UnknownName { name: Name, near: Option<String> } (section "5.3.1")
             => ("`{name}` is not declared"),
-            remedy(match name.as_str() {
-                "dt" => Some(
-                    "`der(x)` is the derivative by time already; remove the division by `dt`".to_owned()
-                ),
-                _ => did_you_mean_or(near, "declare it in this class, or check the spelling"),
+            remedy(match remedy_of_foreign_name(name.as_str()) {
+                Some(remedy) => Some(remedy.to_owned()),
+                None if name.as_str() == "t" => {
+                    did_you_mean_or(near, "declare it in this class; the independent variable is `time`")
+                }
+                None => did_you_mean_or(near, "declare it in this class, or check the spelling"),
             });
         /// A function does not exist.
         error MO0288 UnknownFunction { path: String, near: Option<String> } (section "5.3")
             => ("there is no function `{path}`"),
-            remedy(did_you_mean_or(
-                near,
-                "define it, or name the folder of its library with `--lib DIR`",
-            ));
+            remedy(match remedy_of_foreign_function(path) {
+                Some(remedy) => Some(remedy.to_owned()),
+                None => did_you_mean_or(
+                    near,
+                    "define it, or name the folder of its library with `--lib DIR`",
+                ),
+            });
         /// An enumeration has no literal of this name.
         error MO0284 UnknownLiteral { enumeration: String, name: Name, others: Alternatives }
             (section "4.8.5")
@@ -59,4 +63,29 @@ causes! {
             => ("expected a value, found a function"),
             help("pass it as an argument to a function that takes a function");
     }
+}
+
+/// What to write for a name that other languages know.
+fn remedy_of_foreign_name(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "dt" => "`der(x)` is the derivative by time already; remove the division by `dt`",
+        "True" | "TRUE" => "write `true`",
+        "False" | "FALSE" => "write `false`",
+        "pi" | "Pi" | "PI" => "write `Modelica.Constants.pi`, or declare it as a constant",
+        _ => return None,
+    })
+}
+
+/// What to write for a function that other languages know.
+fn remedy_of_foreign_function(path: &str) -> Option<&'static str> {
+    Some(match path {
+        "pow" | "power" => "write `x^y`",
+        "ln" => "the natural logarithm is `log`",
+        "fabs" => "the absolute value is `abs`",
+        "print" | "printf" | "println" | "disp" => {
+            "write `Modelica.Utilities.Streams.print`, which takes a string"
+        }
+        "length" | "len" | "numel" => "the number of elements of `x` is `size(x, 1)`",
+        _ => return None,
+    })
 }

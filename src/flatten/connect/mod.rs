@@ -85,6 +85,9 @@ impl Connections {
         scope: Scope,
         component: &Arc<str>,
     ) -> Option<()> {
+        if is_disabled(cx, a, scope) || is_disabled(cx, b, scope) {
+            return Some(());
+        }
         let (left, right) = (cx.select(a, scope), cx.select(b, scope));
         let (left, right) = (left?, right?);
         for (selection, end) in [(&left, a.span), (&right, b.span)] {
@@ -384,6 +387,17 @@ fn report_pair(cx: &mut Evaluator<'_>, pair: &ConnectedPair, cause: ConnectCause
 }
 
 /// The first of the selected instances.
+/// Whether an end is a component whose condition is false. The connection goes with it, and with
+/// the connection the variable that it would have added to an expandable connector at the other end
+/// (sections 4.4.5 and 9.1.3).
+fn is_disabled(cx: &mut Evaluator<'_>, end: &ComponentRef, scope: Scope) -> bool {
+    let name = end.parts[0].name.name;
+    cx.child(scope.instance, name).is_some_and(|first| {
+        cx.complete(first);
+        matches!(cx.instances[first].kind, InstanceKind::Absent)
+    })
+}
+
 fn first_instance(s: &Selection) -> Option<InstanceId> {
     match s {
         Selection::Whole(id) | Selection::Element(id, _) => Some(*id),

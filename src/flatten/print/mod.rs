@@ -18,6 +18,8 @@ use identifier::{push_quoted, quoted};
 
 /// Models with at least this many variables and equations are printed by two threads.
 const PARALLEL_THRESHOLD: usize = 50_000;
+/// Stack of the second thread, bytes; only what is used is allocated. A sum of many terms is nested as deeply.
+const STACK: usize = 1 << 30;
 
 /// Prints the model, with variables for common subexpressions if it is large. Fails if it is too
 /// large even so.
@@ -45,20 +47,24 @@ pub fn fragments(flat: &FlatModel) -> Result<Vec<String>, TooLong> {
     }
     // A declaration is about as long as an equation.
     let (near, far) = flat.equations.split_at(flat.equations.len() / 4);
+    let print_rest = || {
+        write(&|text| {
+            text.list(far);
+            text.end();
+        })
+    };
     std::thread::scope(|scope| {
-        let rest = scope.spawn(|| {
-            write(&|text| {
-                text.list(far);
-                text.end();
-            })
-        });
+        let builder = std::thread::Builder::new().stack_size(STACK);
+        let rest = builder.spawn_scoped(scope, print_rest);
         let first = write(&|text| {
             text.declarations();
             text.equations(near);
         });
-        match rest.join() {
-            Ok(rest) => Ok(vec![first, rest]),
-            Err(panic) => std::panic::resume_unwind(panic),
+        match rest.map(std::thread::ScopedJoinHandle::join) {
+            Ok(Ok(rest)) => Ok(vec![first, rest]),
+            Ok(Err(panic)) => std::panic::resume_unwind(panic),
+            // Without a second thread, this one prints the rest.
+            Err(_) => Ok(vec![first, print_rest()]),
         }
     })
 }

@@ -270,12 +270,15 @@ fn scalars(
         (_, "constant") | ("structuralParameter", _) => ForeignRole::Constant,
         ("parameter", _) => ForeignRole::Parameter,
         ("input", _) => ForeignRole::Input,
+        ("output", _) => ForeignRole::Output,
         _ => ForeignRole::Computed,
     };
     let may_be_set = match role {
         ForeignRole::Constant => false,
         ForeignRole::Parameter | ForeignRole::Input => true,
-        ForeignRole::Computed => matches!(initial, Some("exact" | "approx")) && !starts.is_empty(),
+        ForeignRole::Computed | ForeignRole::Output => {
+            matches!(initial, Some("exact" | "approx")) && !starts.is_empty()
+        }
     };
     let ty = match passing {
         Passing::Float64 | Passing::Float32 => ForeignType::Real,

@@ -268,12 +268,13 @@ impl Instance {
     /// Enters the initialization mode.
     pub fn enter_initialization(&self, span: [f64; 3]) -> Result<(), Trouble> {
         let [start, stop, tolerance] = span;
+        let has_stop = stop.is_finite();
         if self.third {
             return call!(self, "fmi3EnterInitializationMode",
-                true => bool, tolerance => f64, start => f64, true => bool, stop => f64);
+                true => bool, tolerance => f64, start => f64, has_stop => bool, stop => f64);
         }
         call!(self, "fmi2SetupExperiment",
-            1 => c_int, tolerance => f64, start => f64, 1 => c_int, stop => f64)?;
+            1 => c_int, tolerance => f64, start => f64, c_int::from(has_stop) => c_int, stop => f64)?;
         call!(self, "fmi2EnterInitializationMode")
     }
 

@@ -7,6 +7,8 @@
 //! to which [`remote`] talks by messages ([`message`]). What it does to its process, a crash, an end or a hang,
 //! reaches the run as a message that names it.
 
+pub mod block;
+pub mod component;
 pub mod description;
 #[cfg(unix)]
 pub mod host;

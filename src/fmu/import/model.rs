@@ -152,6 +152,22 @@ fn load(described: &Described, kind: &Kind, stepping: bool, folder: &Path, libra
     }
 }
 
+impl Fmu {
+    /// The token, which differs for each FMU.
+    pub fn token(&self) -> &str {
+        &self.load.token
+    }
+
+    /// A new instance in a process of its own; see [`ForeignModel::instantiate`].
+    pub fn start(
+        &self,
+        watched: &[usize],
+    ) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault> {
+        let load = Load { watched: watched.to_vec(), ..self.load.clone() };
+        remote::start(&self.file, load)
+    }
+}
+
 impl ForeignModel for Fmu {
     fn file(&self) -> &str {
         &self.file
@@ -162,8 +178,7 @@ impl ForeignModel for Fmu {
     }
 
     fn instantiate(&self, watched: &[usize]) -> Result<Box<dyn ForeignInstance>, ForeignFault> {
-        let load = Load { watched: watched.to_vec(), ..self.load.clone() };
-        remote::start(&self.file, load)
+        self.start(watched).map(|instance| instance as Box<dyn ForeignInstance>)
     }
 }
 

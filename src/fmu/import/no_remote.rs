@@ -19,7 +19,7 @@ pub fn set_program(_: Vec<OsString>) {}
 pub fn set_limit(_: f64, _: Duration) {}
 
 /// Refuses to start.
-pub fn start(file: &str, _: Load) -> Result<Box<dyn ForeignInstance>, ForeignFault> {
+pub fn start(file: &str, _: Load) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault> {
     let why = "FMUs run on Linux and macOS only".to_owned();
     let cause = FmuCause::NoProcess { path: file.to_owned(), why };
     let diagnostic = Box::new(Diagnostic::new(cause, Span::NONE));

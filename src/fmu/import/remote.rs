@@ -79,7 +79,7 @@ fn fault(cause: FmuCause, messages: &[String], kind: ForeignFaultKind) -> Foreig
 }
 
 /// Starts a child and loads the FMU in it.
-pub fn start(file: &str, load: Load) -> Result<Box<dyn ForeignInstance>, ForeignFault> {
+pub fn start(file: &str, load: Load) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault> {
     Ok(Box::new(Remote::start(file, load)?))
 }
 

@@ -53,13 +53,15 @@ fn declaration(v: &ForeignVariable) -> String {
     let (prefix, value) = match v.role {
         ForeignRole::Parameter => ("parameter", format!(" = {start}")),
         ForeignRole::Constant => ("final parameter", format!(" = {start}")),
-        ForeignRole::Input | ForeignRole::Computed => ("input", String::new()),
+        ForeignRole::Input | ForeignRole::Output | ForeignRole::Computed => {
+            ("input", String::new())
+        }
     };
     let (name, text) = (identifier(&v.name), comment(&v.description));
     format!("  {prefix} {ty} {name}{attributes}{value}{text};\n")
 }
 
-fn literal(ty: ForeignType, x: f64) -> String {
+pub(super) fn literal(ty: ForeignType, x: f64) -> String {
     match ty {
         ForeignType::Boolean => (x != 0.0).to_string(),
         ForeignType::Integer => format!("{}", x.round()),
@@ -67,7 +69,7 @@ fn literal(ty: ForeignType, x: f64) -> String {
     }
 }
 
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     let escaped: String = text
         .chars()
         .map(|c| match c {
@@ -79,7 +81,7 @@ fn quoted(text: &str) -> String {
     format!("\"{escaped}\"")
 }
 
-fn comment(text: &str) -> String {
+pub(super) fn comment(text: &str) -> String {
     if text.is_empty() { String::new() } else { format!(" {}", quoted(text)) }
 }
 

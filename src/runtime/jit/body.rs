@@ -4,7 +4,7 @@ use cranelift::codegen::ir::FuncRef;
 use cranelift::prelude::*;
 
 use crate::base::index::FastMap;
-use crate::ir::program::{CallSite, FunctionCode, Op};
+use crate::ir::program::{CallSite, FunctionCode, Op, Slot};
 use crate::runtime::machine::{DIFFERENCE, Fault, JUMP_LIMIT};
 
 use super::slots::FragmentBuilder;
@@ -127,17 +127,37 @@ pub fn call(
     fragment.invalidate();
 }
 
-/// Emits a call with the same operations as `Machine::call`, but without its memo.
+/// Emits a call that is left out if the last one had the same arguments, as in `Machine::call`.
 fn emit_call(
     fragment: &mut FragmentBuilder<'_, '_>,
     site: &CallSite,
     function: &FunctionCode,
     code: FuncRef,
 ) {
-    if let Some(last) = site.memo {
-        let nothing = fragment.number(f64::NAN);
-        fragment.set(last, nothing);
+    let Some(last) = site.memo else { return emit_made_call(fragment, site, function, code) };
+    let slots: Vec<(Slot, Slot)> = (last..).zip(site.args.iter().copied()).collect();
+    let (changed, after) = (fragment.build.create_block(), fragment.build.create_block());
+    let same = fragment.are_identical(&slots);
+    fragment.build.ins().brif(same, after, &[], changed, &[]);
+    fragment.build.switch_to_block(changed);
+    fragment.invalidate();
+    emit_made_call(fragment, site, function, code);
+    for (copy, argument) in slots {
+        let value = fragment.get(argument);
+        fragment.set(copy, value);
     }
+    fragment.build.ins().jump(after, &[]);
+    fragment.build.switch_to_block(after);
+    fragment.invalidate();
+}
+
+/// Emits a call with the same operations as `Machine::call`.
+fn emit_made_call(
+    fragment: &mut FragmentBuilder<'_, '_>,
+    site: &CallSite,
+    function: &FunctionCode,
+    code: FuncRef,
+) {
     let Some((output, argument)) = site.partial else {
         emit_body_call(fragment, site, function, code, None);
         for (to, from) in site.results.iter().zip(&function.outputs) {

@@ -125,6 +125,23 @@ impl<'a, 'k> FragmentBuilder<'a, 'k> {
         self.registers.touched.push(slot);
     }
 
+    /// True if the slots of each pair hold the same bits; there is at least one pair.
+    pub fn are_identical(&mut self, pairs: &[(Slot, Slot)]) -> Value {
+        let mut all = None;
+        for &(a, b) in pairs {
+            let [a, b] = [a, b].map(|slot| {
+                let value = self.get(slot);
+                self.bits(value)
+            });
+            let equal = self.build.ins().icmp(IntCC::Equal, a, b);
+            all = Some(match all {
+                Some(others) => self.build.ins().band(others, equal),
+                None => equal,
+            });
+        }
+        all.unwrap_or_else(|| self.build.ins().iconst(types::I8, 1))
+    }
+
     /// A constant.
     pub fn number(&mut self, value: f64) -> Value {
         self.build.ins().f64const(value)

@@ -95,7 +95,9 @@ impl Tier {
             Execution::Compiled(code) if code.is_of(program) => Tier::with(Arc::clone(code)),
             Execution::Compiled(_) => Tier::Interpreted,
             Execution::Adaptive(starter) => {
-                let instructions: usize = program.all_tapes().iter().map(|(_, t)| t.len()).sum();
+                let tapes: usize = program.all_tapes().iter().map(|(_, t)| t.len()).sum();
+                let functions = &program.routines.functions;
+                let instructions = tapes + functions.iter().map(|f| f.tape.len()).sum::<usize>();
                 let threshold = TRANSLATION_COST * instructions as u64;
                 Tier::Interpreting(TierUp {
                     starter: *starter,

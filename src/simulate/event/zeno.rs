@@ -30,6 +30,10 @@ const OVERDUE: f64 = 8.0;
 /// Distance beyond the threshold, relative to the height of the bounces, that counts as having
 /// passed it.
 const DEPTH: f64 = 1e-2;
+/// Distance after an event over which it is seen which way it turns the solution, as a fraction of the step.
+const FIRST_MOVE: f64 = 1e-6;
+/// Distance beyond the threshold, relative to that at the last event, that counts as having passed it.
+const FAR: f64 = 1e4;
 
 /// Events of one relation with effects on variables, at ever shorter intervals: the last bounces may
 /// be lower than the rounding error of the place at which they start, so that the relation does not
@@ -47,6 +51,9 @@ pub struct Bounces {
     intervals: (f64, f64),
     /// Largest distance from the threshold between them.
     height: f64,
+    /// Indicator after the last one, and how it moves there; 0 once the relation has changed back.
+    start: f64,
+    turn: f64,
 }
 
 /// A relation whose events accumulate.
@@ -104,6 +111,12 @@ impl Simulation<'_, '_> {
 
     /// Counts an event as a bounce of the relations that changed in it.
     pub(crate) fn count_bounce(&mut self, t: f64, flipped: &[(u32, bool)], effects: EventEffects) {
+        for &(k, truth) in flipped {
+            let bounces = &mut self.bounces[k as usize];
+            if truth != bounces.truth {
+                bounces.turn = 0.0;
+            }
+        }
         if !effects.acted {
             return;
         }
@@ -134,34 +147,58 @@ impl Simulation<'_, '_> {
                 bounces.count += 1;
                 let longest = if bounces.count == 2 { interval } else { bounces.intervals.1 };
                 bounces.intervals = (interval, longest);
-                bounces.last = t;
+                (bounces.last, bounces.turn) = (t, 0.0);
             } else {
                 *bounces = Bounces { truth, mode, last: t, count: 1, ..Bounces::default() };
             }
         }
     }
 
-    /// Fails if the solution has passed a threshold at which it bounced.
+    /// In the first step after a bounce: which way the solution leaves the threshold.
+    pub(crate) fn note_turns(&mut self) -> Result<(), Failure> {
+        let (t0, t1) = (self.stepper.t_previous(), self.stepper.t());
+        if !self.bounces.iter().any(|b| b.count > 0 && b.last == t0) {
+            return Ok(());
+        }
+        let first = self.program.layout.indicators as usize;
+        let range = first..first + self.bounces.len();
+        self.evaluate_at(t0)?;
+        let starts = self.system.machine.memory[range.clone()].to_vec();
+        self.evaluate_at(t0 + FIRST_MOVE * (t1 - t0))?;
+        let moved = &self.system.machine.memory[range];
+        for ((bounces, start), moved) in self.bounces.iter_mut().zip(starts).zip(moved) {
+            if bounces.count > 0 && bounces.last == t0 {
+                (bounces.start, bounces.turn) = (start, moved - start);
+            }
+        }
+        self.evaluate_at(t1)
+    }
+
+    /// Fails if the solution has passed a threshold at which it bounced: one that an event turned away from
+    /// it, but from which it did not get away before it came back, or one of many bounces.
     fn check_bounces(&mut self) -> Result<(), Failure> {
         let (machine, layout) = (&self.system.machine, &self.program.layout);
         let t = machine.get(layout.time);
         let mut passed = None;
         for (bounces, k) in self.bounces.iter_mut().zip(0..).filter(|(b, _)| b.count > 0) {
-            let distance = machine.get(layout.indicators + k).abs();
+            let indicator = machine.get(layout.indicators + k);
+            let distance = indicator.abs();
             if (machine.get(layout.relations + k) != 0.0) != bounces.truth {
                 bounces.height = bounces.height.max(distance);
+                bounces.turn = 0.0;
                 continue;
             }
+            let came_back = indicator * bounces.turn < 0.0 && distance > FAR * bounces.start.abs();
             let (interval, longest) = bounces.intervals;
             let ends = bounces.count >= BOUNCES && interval < LAST_BOUNCE * longest;
             let is_overdue = t - bounces.last > OVERDUE * interval;
-            if ends && is_overdue && distance > DEPTH * bounces.height {
-                passed = Some((k, bounces.count, bounces.last, interval));
+            if (came_back || ends && is_overdue) && distance > DEPTH * bounces.height {
+                passed = Some((k, bounces.count, bounces.last));
             }
         }
-        let Some((k, events, time, interval)) = passed else { return Ok(()) };
+        let Some((k, events, time)) = passed else { return Ok(()) };
         let relation = self.relation_text(k);
-        let cause = RunCause::PassedThrough { time, relation, events, interval };
+        let cause = RunCause::PassedThrough { time, relation, events };
         let diagnostic = Diagnostic::new(cause, self.relation_span(k))
             .label("after its last change nothing holds the solution");
         Err(Failure::numerics(time, diagnostic))

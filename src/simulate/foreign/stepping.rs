@@ -1,6 +1,9 @@
 //! Co-Simulation: the model integrates from one communication point to the next. Inputs are held between them.
 
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
 use crate::ir::foreign::{ForeignInstance, ForeignInterface};
+use crate::simulate::cause::RunCause;
 use crate::simulate::failure::Failure;
 use crate::simulate::method::Choice;
 use crate::simulate::record::Sink;
@@ -73,8 +76,8 @@ pub(super) fn run(
                 }
             }
         } else if !step.ends {
-            let text = format!("the FMU makes no step at time {t} s");
-            return Err(Failure::numerics(t, *Failure::settings(text).diagnostic));
+            let diagnostic = Diagnostic::new(RunCause::ForeignNoStep { time: t }, Span::NONE);
+            return Err(Failure::numerics(t, diagnostic));
         }
         t = reached;
         statistics.end = t.min(stop);

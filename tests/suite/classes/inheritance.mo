@@ -181,3 +181,70 @@ package Flow
   end Pipe;
 end Flow;
 //@ expect m = 1000
+
+//@ case narrower_package_of_two_bases
+//@ run stop=1
+// A replaceable package comes from two bases, one of which asks for more than the other; the
+// component gives one that fits both.
+package Media
+  partial package Fluid
+    constant Real density;
+  end Fluid;
+  partial package Mixture
+    extends Fluid;
+    constant Real fraction;
+  end Mixture;
+  package Air
+    extends Mixture(density = 1.2, fraction = 0.25);
+  end Air;
+  partial model Port
+    replaceable package Medium = Fluid;
+    Real d = Medium.density;
+  end Port;
+  partial model Fraction
+    replaceable package Medium = Mixture;
+    Real x = Medium.fraction;
+  end Fraction;
+  model Sensor
+    extends Port;
+    extends Fraction;
+    Real partialDensity = d*x;
+  end Sensor;
+  model User
+    Sensor s(redeclare package Medium = Air);
+  end User;
+end Media;
+//@ expect s.partialDensity = 0.3 abs 1e-15
+
+//@ case redeclared_in_component_and_constraining_clause
+//@ run stop=1
+// Both the component and its constraining clause say which medium; both hold (section 7.3.2).
+package Media
+  partial package Fluid
+    constant Real density;
+  end Fluid;
+  package Water
+    extends Fluid(density = 1000);
+  end Water;
+  package Oil
+    extends Fluid(density = 850);
+  end Oil;
+  partial model Reader
+    replaceable package Medium = Water constrainedby Fluid;
+    Real d;
+  end Reader;
+  model Plain
+    extends Reader;
+  equation
+    d = Medium.density*time;
+  end Plain;
+  model Plant
+    package M = Oil;
+    replaceable Plain reader(redeclare package Medium = M)
+      constrainedby Reader(redeclare package Medium = M);
+  end Plant;
+  model User
+    Plant plant;
+  end User;
+end Media;
+//@ expect plant.reader.d = 850

@@ -328,3 +328,57 @@ model Pair
   parameter Gains left_out = Gains(low = 1);
   Real y = given.middle + left_out.high;
 end Pair;
+
+//@ case an_integer_of_a_large_function_that_is_a_literal
+// The phase does not change between events, although the function is called; `d` is a sum of 700 terms, in
+// double precision with Python.
+model Phases
+  record State
+    Real d;
+    Integer phase;
+    Real p;
+  end State;
+  function state
+    input Real p;
+    output State s;
+  protected
+    Real d = 0;
+  algorithm
+    for k in 1:700 loop
+      d := d + sin(k*p)/k^2;
+    end for;
+    s := State(d, 0, p);
+  end state;
+  State s;
+equation
+  s = state(time);
+end Phases;
+//@ run stop=1
+//@ expect s.d = 1.0139612512785126 rel 1e-12
+//@ expect s.phase = 0
+//@ expect s.p = 1
+
+//@ case fields_by_later_constants
+//@ run stop=1
+// The value of a field of the output reads a constant that is declared after it.
+package Curves
+  record Curve
+    parameter Real x[:];
+    parameter Real y[size(x, 1)];
+  end Curve;
+  function constant2
+    input Real level;
+    output Curve c(x = {0, 1, 2}, y = zeros(n));
+  protected
+    constant Integer n = 3;
+  algorithm
+    for k in 1:n loop
+      c.y[k] := level*k;
+    end for;
+  end constant2;
+  model User
+    parameter Curve c = constant2(5);
+    Real y[3] = c.y*time;
+  end User;
+end Curves;
+//@ expect y[1], y[2], y[3] = 5, 10, 15

@@ -62,3 +62,21 @@ end Over;
 //@ expect now[1:2] = 1, 3
 //@ expect large[1:3] = 0, 1, 1
 //@ expect table[1,1:2], table[2,1:2] = 3, 5, 4.5, 7.5
+
+//@ case sum_of_arrays
+//@ run stop=1
+// The sum of an expression that is an array has its sizes, which may be zero (section 10.3.4.1).
+model Sums
+  parameter Integer n = 3;
+  parameter Integer none = 0;
+  Real x[n, 2] = {{k*time, k*k} for k in 1:n};
+  Real y[2] = sum(x[k, :] for k in 1:n);
+  Real z[2, 2] = sum(a*{{1, 0}, {0, b}} for a in 1:2, b in 1:3);
+  Real empty[none];
+  Real total = sum(empty) + y[1];
+equation
+  empty = sum(fill(time, none) for k in 1:n);
+end Sums;
+//@ expect y[1], y[2] = 6, 14
+//@ expect z[1,1], z[1,2], z[2,1], z[2,2] = 9, 0, 0, 18
+//@ expect total = 6

@@ -40,3 +40,78 @@ end Solved;
 //@ expect x[2], x[1] = 4/3, (5 - 4/3)/3 rel 1e-12
 //@ expect line[1], line[2] = 0.9, 1.9 rel 1e-12
 //@ expect y[1], y[2], y[3] = 1, 1, 1 rel 1e-12
+
+//@ case factors
+//@ run stop=1
+// The inverse and a solution from the factors of a matrix whose first pivot is zero. Cramer's rule
+// is independent of the elimination: det(A) = -2*(3*4 - 0*1) + 1*(3*1 - 1*1) = -22.
+package Factors
+  function factorize
+    input Real A[:, :];
+    output Real LU[size(A, 1), size(A, 2)] = A;
+    output Integer pivots[min(size(A, 1), size(A, 2))];
+    output Integer info;
+  protected
+    Integer m = size(A, 1);
+    Integer n = size(A, 2);
+    Integer lda = max(1, m);
+  external "FORTRAN 77" dgetrf(m, n, LU, lda, pivots, info);
+  end factorize;
+  function invert
+    input Real LU[:, size(LU, 1)];
+    input Integer pivots[size(LU, 1)];
+    output Real inv[size(LU, 1), size(LU, 2)] = LU;
+    output Integer info;
+  protected
+    Integer n = size(LU, 1);
+    Integer lwork = 10*n;
+    Real work[10*n];
+  external "FORTRAN 77" dgetri(n, inv, n, pivots, work, lwork, info);
+  end invert;
+  function solve
+    input Real LU[:, size(LU, 1)];
+    input Integer pivots[size(LU, 1)];
+    input Real B[size(LU, 1), :];
+    output Real X[size(B, 1), size(B, 2)] = B;
+    output Integer info;
+  protected
+    Integer n = size(LU, 1);
+    Integer nrhs = size(B, 2);
+    Real work[size(LU, 1), size(LU, 1)] = LU;
+  external "FORTRAN 77" dgetrs("N", n, nrhs, work, n, pivots, X, n, info);
+  end solve;
+  function inverse
+    input Real A[:, size(A, 1)];
+    output Real B[size(A, 1), size(A, 1)];
+  protected
+    Real LU[size(A, 1), size(A, 1)];
+    Integer pivots[size(A, 1)];
+    Integer info;
+  algorithm
+    (LU, pivots, info) := factorize(A);
+    B := invert(LU, pivots);
+  end inverse;
+  function solution
+    input Real A[:, size(A, 1)];
+    input Real b[size(A, 1), :];
+    output Real x[size(A, 1), size(b, 2)];
+  protected
+    Real LU[size(A, 1), size(A, 1)];
+    Integer pivots[size(A, 1)];
+    Integer info;
+  algorithm
+    (LU, pivots, info) := factorize(A);
+    x := solve(LU, pivots, b);
+  end solution;
+  model User
+    parameter Real A[3, 3] = {{0, 2, 1}, {3, 0, 1}, {1, 1, 4}};
+    parameter Real B[3, 3] = inverse(A);
+    parameter Real x[3, 1] = solution(A, {{1}, {2}, {3}});
+    Real y = B[1, 1]*time;
+  end User;
+end Factors;
+//@ let det = -2*(3*4 - 1*1) + 1*(3*1 - 0*1)
+//@ expect B[1,1], B[1,2], B[1,3] = (0*4 - 1*1)/det, -(2*4 - 1*1)/det, (2*1 - 1*0)/det abs 1e-14
+//@ expect B[3,1], B[3,3] = (3*1 - 0*1)/det, (0*0 - 2*3)/det abs 1e-14
+//@ expect x[1,1] = ((0*4 - 1*1) - 2*(2*4 - 1*1) + 3*(2*1 - 1*0))/det abs 1e-14
+//@ expect y = B[1,1]

@@ -22,3 +22,19 @@ equation
   //@ error[MO0200] 3-13
   der(der(h)) = -9.81;
 end Fall;
+
+//@ case delay_of_the_variable_of_a_loop
+model Loop
+  discrete Integer n(start = 1, fixed = true);
+  Integer w[4];
+equation
+  when sample(0.5, 0.5) then
+    n = pre(n) + 1;
+  end when;
+algorithm
+  w := {0, 0, 0, 0};
+  for i in 2:2:n loop
+    //@ error[MO0200] 7-19
+    w[delay(i, 0.1)] := i;
+  end for;
+end Loop;

@@ -152,3 +152,33 @@ equation
   connect(bus, bus.inside);
   connect(source.y, bus.speed);
 end Car;
+
+//@ case disabled_source
+//@ run stop=1
+// A connection to a disabled component goes with it, and with it the variable of the bus that only
+// this connection would have added.
+package Buses
+  connector In = input Real;
+  connector Out = output Real;
+  expandable connector Bus
+  end Bus;
+  model Unit
+    parameter Boolean measured = false;
+    Bus bus;
+    In ambient if measured;
+    Out y = time;
+  equation
+    connect(ambient, bus.ambient);
+    connect(y, bus.y);
+  end Unit;
+  model User
+    Unit unit;
+    Bus bus;
+    Real z;
+  equation
+    connect(unit.bus, bus);
+    z = 2*bus.y;
+  end User;
+end Buses;
+//@ expect z = 2
+//@ expect no column bus.ambient

@@ -144,6 +144,43 @@ equation
   end when;
 end Ball;
 
+//@ case two_balls_that_bounce_little
+// After four bounces the ball rises by (0.1^4 sqrt(2 g))^2/(2 g) = 1e-8 m, and the next time by less than
+// rounding errors.
+//@ run stop=10
+//@ status 3
+model Balls
+  Real h(start = 1, fixed = true), v(start = 0, fixed = true);
+  Real h2(start = 1.3, fixed = true), v2(start = 0, fixed = true);
+equation
+  der(h) = v;
+  der(v) = -9.81;
+  der(h2) = v2;
+  der(v2) = -9.81;
+  //@ error[MO0932] 3-
+  when h <= 0 then
+    reinit(v, -0.1*pre(v));
+  end when;
+  when h2 <= 0 then
+    reinit(v2, -0.1*pre(v2));
+  end when;
+end Balls;
+
+//@ case ball_that_the_floor_does_not_hold
+// Without a bounce the equations say that it falls on.
+//@ run stop=1
+model Ball
+  Real h(start = 1, fixed = true);
+  Real v(start = 0, fixed = true);
+equation
+  der(h) = v;
+  der(v) = -9.81;
+  when h <= 0 then
+    reinit(v, 0);
+  end when;
+end Ball;
+//@ expect h = -1.47555 abs 1e-3
+
 //@ case ball_comes_to_rest
 // The bounces end at sqrt(2/g) (1 + e)/(1 - e) = 1.3546 s.
 //@ run stop=10

@@ -138,3 +138,54 @@ equation
   der(level) = 1;
 end Tank;
 //@ status 3
+
+//@ case an_open_start_is_that_of_the_first_name
+// Two conditions for three states: of the starts that may be assumed, the first by name is, whatever the order
+// of the declarations; `a = 1` leads to `b = (4 - a)/3` and `c = 2 - a`.
+model Open
+  Real c(start = 5);
+  Real b(start = 7);
+  Real a(start = 1);
+initial equation
+  a + 3*b = 4;
+  der(a) = 2;
+equation
+  der(c) = -c;
+  der(b) = -b;
+  der(a) = a + c;
+end Open;
+//@ run stop=1
+//@ expect a at 0 = 1 rel 1e-9
+//@ expect b at 0 = 1 rel 1e-9
+//@ expect c at 0 = 1 rel 1e-9
+
+//@ case an_open_start_of_tied_states
+// Of two states that are tied, the first by name keeps its start.
+model Tied
+  Real w10(start = 3);
+  Real w9(start = 5);
+  Real torque;
+equation
+  der(w10) = torque;
+  der(w9) = 1 - torque;
+  w10 = w9;
+end Tied;
+//@ run stop=1
+//@ expect w9 at 0 = 5 rel 1e-9
+//@ expect w10 at 0 = 5 rel 1e-9
+//@ expect w9 = 5.5 rel 1e-6
+
+//@ case an_open_start_with_a_repeated_condition
+model Repeated
+  Real y(start = 4);
+  Real x(start = 2);
+initial equation
+  der(x) = 3;
+  der(x) = 3;
+equation
+  der(x) = x + y;
+  der(y) = -y;
+end Repeated;
+//@ run stop=1
+//@ expect x at 0 = 2 rel 1e-9
+//@ expect y at 0 = 1 rel 1e-9

@@ -1,0 +1,67 @@
+//! `mocc import`: writes a block that uses an FMU as a component of models.
+
+use std::path::{Path, PathBuf};
+
+use super::args::export::Import;
+use super::{Status, explain, print, style};
+use crate::base::diag::Diagnostic;
+use crate::base::render::render;
+use crate::base::source::{SourceMap, Span};
+use crate::fmu::cause::FmuCause;
+use crate::fmu::import::{block, model};
+use crate::io::atomic_file::write_file;
+use crate::ir::foreign::ForeignModel;
+
+/// Runs the command. The FMU is read, but its code is not loaded.
+pub fn run(options: &Import) -> Status {
+    let stem = options.file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    let class = options.name.clone().or(stem).unwrap_or_default();
+    let output = options.output.clone().unwrap_or_else(|| PathBuf::from(format!("{class}.mo")));
+    let fmu = match model::open(&options.file, Some(model::Integrating::There)) {
+        Ok(fmu) => fmu,
+        Err(diagnostic) => {
+            let needs = |cause: &FmuCause| matches!(cause, FmuCause::NotOffered { .. });
+            let path = options.file.display().to_string();
+            let refused = match diagnostic.is(needs) {
+                true => Diagnostic::new(FmuCause::NoComponent { path }, Span::NONE),
+                false => *diagnostic,
+            };
+            return refuse(&refused);
+        }
+    };
+    let interface = fmu.interface();
+    let file = named_in(&options.file, &output);
+    let text = block::block(interface, &class, &file, fmu.token());
+    if let Err(why) = write_file(&output, text.as_bytes()) {
+        let (path, why) = (output.display().to_string(), why.to_string());
+        return refuse(&Diagnostic::new(FmuCause::FileOfFmu { path, why }, Span::NONE));
+    }
+    if options.quiet {
+        return Status::Done;
+    }
+    print(&format!(
+        "{class}: a block that runs `{file}`\n  wrote {}\n  the FMU is foreign code: models that use the block run it only with `--allow-fmu {}`\n",
+        output.display(),
+        options.file.display(),
+    ))
+}
+
+/// The path of the FMU in the model: its name if it lies in the same folder, else its full path.
+fn named_in(file: &Path, output: &Path) -> String {
+    let folder = |path: &Path| {
+        let parent = path.parent().filter(|p| !p.as_os_str().is_empty());
+        parent.unwrap_or(Path::new(".")).canonicalize().ok()
+    };
+    let full = file.canonicalize().unwrap_or_else(|_| file.to_path_buf());
+    let same = folder(file).is_some() && folder(file) == folder(output);
+    match file.file_name().filter(|_| same) {
+        Some(name) => name.to_string_lossy().into_owned(),
+        None => full.to_string_lossy().into_owned(),
+    }
+}
+
+fn refuse(diagnostic: &Diagnostic) -> Status {
+    eprintln!("{}", render(diagnostic, &SourceMap::default(), style()));
+    explain::remember([diagnostic]);
+    Status::Usage
+}
