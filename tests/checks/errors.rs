@@ -33,6 +33,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("MO0908", "initialization checks each value before the integrator reads it"),
     ("MO0917", "a calibration goes on with differences of runs"),
     ("MO0931", "follows eight warnings MO0919"),
+    ("MO0945", "needs an FMU, whose bytes are not text"),
     ("MO0999", "is a bug in mocc"),
     ("MO1300", "the runtime may have been built next to the program"),
     ("MO1302", "all external functions of mocc can be written"),
@@ -49,6 +50,8 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("MO1315", "needs an FMU, whose bytes are not text"),
     ("MO1316", "needs an FMU, whose bytes are not text"),
     ("MO1318", "needs an FMU, whose bytes are not text"),
+    ("MO1319", "needs an FMU, whose bytes are not text"),
+    ("MO1320", "needs an FMU, whose bytes are not text"),
     ("MO1273", "the parser rejects every expression that is not a call"),
 ];
 

@@ -370,7 +370,7 @@ fn results_and_plans_go_through_pipes() {
         "model Tank\n  parameter Real k = 1;\n  Real x(start = 1, fixed = true);\n  output Real y = 2*x;\n\
          equation\n  der(x) = -k*x;\nend Tank;\n",
     );
-    let plan = "model = \"tank.mo\"\ngoal = { minimize = \"at(x, 1)\" }\nfree = { k = { min = 0.5, max = 2 } }\n";
+    let plan = "model = \"tank.mo\"\ngoal = { minimize = \"x_1 = at(x, 1)\" }\nfree = { k = { min = 0.5, max = 2 } }\n";
     let ended = piped(path, &["optimize", "-"], plan);
     assert_eq!(ended.status, 0, "{}{}", ended.out, ended.err);
     assert!(path.join("stdin-design/design.json").is_file());

@@ -107,11 +107,11 @@ package Factors
     parameter Real A[3, 3] = {{0, 2, 1}, {3, 0, 1}, {1, 1, 4}};
     parameter Real B[3, 3] = inverse(A);
     parameter Real x[3, 1] = solution(A, {{1}, {2}, {3}});
-    Real y = B[1, 1]*time;
+    Real C[3, 3] = B*time;
+    Real y[3] = x[:, 1]*time;
   end User;
 end Factors;
 //@ let det = -2*(3*4 - 1*1) + 1*(3*1 - 0*1)
-//@ expect B[1,1], B[1,2], B[1,3] = (0*4 - 1*1)/det, -(2*4 - 1*1)/det, (2*1 - 1*0)/det abs 1e-14
-//@ expect B[3,1], B[3,3] = (3*1 - 0*1)/det, (0*0 - 2*3)/det abs 1e-14
-//@ expect x[1,1] = ((0*4 - 1*1) - 2*(2*4 - 1*1) + 3*(2*1 - 1*0))/det abs 1e-14
-//@ expect y = B[1,1]
+//@ expect C[1,1], C[1,2], C[1,3] = (0*4 - 1*1)/det, -(2*4 - 1*1)/det, (2*1 - 1*0)/det abs 1e-14
+//@ expect C[3,1], C[3,3] = (3*1 - 0*1)/det, (0*0 - 2*3)/det abs 1e-14
+//@ expect y[1] = ((0*4 - 1*1) - 2*(2*4 - 1*1) + 3*(2*1 - 1*0))/det abs 1e-14

@@ -162,14 +162,17 @@ package Buses
   connector Out = output Real;
   expandable connector Bus
   end Bus;
+  model Clock
+    Out y = time;
+  end Clock;
   model Unit
     parameter Boolean measured = false;
     Bus bus;
     In ambient if measured;
-    Out y = time;
+    Clock clock;
   equation
     connect(ambient, bus.ambient);
-    connect(y, bus.y);
+    connect(clock.y, bus.y);
   end Unit;
   model User
     Unit unit;
