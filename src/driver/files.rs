@@ -328,12 +328,11 @@ pub fn folders(request: &Request) -> Vec<Box<dyn Folder>> {
             }
         },
     };
-    let mut all: Vec<Box<dyn Folder>> =
-        vec![Box::new(AsNamed {
-            own,
-            allowed: request.readable.clone(),
-            fmus: request.fmus.clone(),
-        })];
+    let mut all: Vec<Box<dyn Folder>> = vec![Box::new(AsNamed {
+        own,
+        allowed: request.readable.clone(),
+        fmus: request.fmus.clone(),
+    })];
     for path in &request.folders {
         match request.packed.folder(path) {
             Some(packed) => all.push(Box::new(packed)),

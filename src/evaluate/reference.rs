@@ -495,10 +495,17 @@ impl Evaluator<'_> {
                     InstanceKind::Variable { ty, .. } => ty,
                     _ => Type::Real,
                 };
-                self.mode.fold || self.mode.sizes && ty != Type::Real && self.bound(id)
+                let folds = self.mode.fold || self.mode.sizes && ty != Type::Real && self.bound(id);
+                folds && !self.is_left_to_initialization(id)
             }
             _ => false,
         };
+        if variability == Some(Variability::Parameter)
+            && !folds
+            && self.is_left_to_initialization(id)
+        {
+            return Some(None);
+        }
         if folds {
             return match self.parameter_value(id, span) {
                 Some(value) => Some(Some(value)),
@@ -533,6 +540,19 @@ impl Evaluator<'_> {
             return None;
         }
         Some(None)
+    }
+
+    /// Whether a Real parameter has no value of any kind, but equations of the initialization determine it: it stands
+    /// for itself where nothing but external objects asks for its value.
+    fn is_left_to_initialization(&mut self, id: InstanceId) -> bool {
+        let InstanceKind::Variable { ty: Type::Real, first: Some(_), .. } = self.instances[id].kind
+        else {
+            return false;
+        };
+        let literal = |cx: &mut Self, of: &str| cx.attribute(id, crate::base::name::name(of));
+        let is_open = literal(self, "fixed")
+            .is_some_and(|fixed| matches!(fixed.value.kind, ExprKind::Boolean(false)));
+        is_open && !self.bound(id) && literal(self, "start").is_none()
     }
 
     /// Evaluates something; whether it reads a constant with a unit as a plain number.

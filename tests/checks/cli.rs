@@ -255,9 +255,13 @@ fn files_of_a_library_belong_to_it() {
     assert!(pair.contains("'b.P' = 230"), "{pair}");
     let pair = good("copies", &["flatten", "Hall-main/package.mo", "--model", "Hall.Parts.Pair"]);
     assert!(pair.contains("'b.P' = 230"), "{pair}");
-    // In no folder of its packages a file stands for itself.
-    folder.file("Lamp.mo", "within Hall.Parts;\nmodel Lamp\n  Real i = 1;\nend Lamp;\n");
-    assert!(good(".", &["flatten", "Lamp.mo"]).contains("model Lamp"));
+    // In no folder of its packages a file stands for itself, and next to them for the class that it names.
+    let other = "within Hall.Parts;\nmodel Lamp\n  Real i = 1;\nend Lamp;\n";
+    folder.file("alone/Lamp.mo", other);
+    assert!(good("alone", &["flatten", "Lamp.mo"]).contains("model Lamp"));
+    folder.file("Lamp.mo", other);
+    let lamp = good(".", &["flatten", "Lamp.mo"]);
+    assert!(lamp.contains("model 'Hall.Parts.Lamp'") && lamp.contains("i = 1.0"), "{lamp}");
 }
 
 /// A class in a file of its own belongs to the packages that extend its package, and to those that
