@@ -48,9 +48,9 @@ fn slopes_of_a_few_variables_are_those_of_all() {
     let (case, inputs) = (Case::file("examples/valve52.mol"), ["F_Coulomb", "t_delay"]);
     let all = case.compile().differentiate(&inputs);
     let few = restricted(&case, &["s", "p14"]).differentiate(&inputs);
-    for input in 0..inputs.len() {
+    for (k, input) in inputs.iter().enumerate() {
         for name in ["s", "p14"] {
-            assert_eq!(few.by(input, name), all.by(input, name), "{name} by {}", inputs[input]);
+            assert_eq!(few.by(k, name), all.by(k, name), "{name} by {input}");
         }
     }
 }
