@@ -27,6 +27,8 @@ pub struct EventEffects {
     pub failed: Option<usize>,
     /// Something other than a relation changed.
     pub acted: bool,
+    /// A state got another value.
+    pub reinitialized: bool,
 }
 
 impl EventEffects {
@@ -37,6 +39,7 @@ impl EventEffects {
             terminate: self.terminate.or(later.terminate),
             failed: self.failed.or(later.failed),
             acted: self.acted | later.acted,
+            reinitialized: self.reinitialized | later.reinitialized,
         }
     }
 }
@@ -204,7 +207,7 @@ fn iterate_with(
     let first = program.layout.relations;
     let count = program.events.relation_triggers.len() as Slot;
     let before: Vec<f64> = (0..count).map(|k| machine.get(first + k)).collect();
-    let mut effects = EventEffects { changed: false, terminate: None, failed: None, acted: false };
+    let mut effects = EventEffects::default();
     let mut ticking = program.events.clocks.iter().any(|c| machine.get(c.flag) != 0.0);
     effects.changed |= ticking;
     update_pre(machine);
@@ -233,7 +236,9 @@ fn iterate_with(
             )?;
         }
         collect_actions(machine, &mut effects);
-        repeat |= apply_reinits(machine);
+        let reinitialized = apply_reinits(machine);
+        effects.reinitialized |= reinitialized;
+        repeat |= reinitialized;
         changing.clear();
         for &(v, slot, pre) in &program.layout.pre {
             let discrete =

@@ -54,6 +54,9 @@ pub struct Bounces {
     /// Indicator after the last one, and how it moves there; 0 once the relation has changed back.
     start: f64,
     turn: f64,
+    /// The last one gave a state another value. Others, such as a diode that begins to conduct, may let the
+    /// solution turn back.
+    is_impact: bool,
 }
 
 /// A relation whose events accumulate.
@@ -151,13 +154,15 @@ impl Simulation<'_, '_> {
             } else {
                 *bounces = Bounces { truth, mode, last: t, count: 1, ..Bounces::default() };
             }
+            bounces.is_impact = effects.reinitialized;
         }
     }
 
     /// In the first step after a bounce: which way the solution leaves the threshold.
     pub(crate) fn note_turns(&mut self) -> Result<(), Failure> {
         let (t0, t1) = (self.stepper.t_previous(), self.stepper.t());
-        if !self.bounces.iter().any(|b| b.count > 0 && b.last == t0) {
+        let begins = |b: &Bounces| b.is_impact && b.last == t0;
+        if !self.bounces.iter().any(begins) {
             return Ok(());
         }
         let first = self.program.layout.indicators as usize;
@@ -167,7 +172,7 @@ impl Simulation<'_, '_> {
         self.evaluate_at(t0 + FIRST_MOVE * (t1 - t0))?;
         let moved = &self.system.machine.memory[range];
         for ((bounces, start), moved) in self.bounces.iter_mut().zip(starts).zip(moved) {
-            if bounces.count > 0 && bounces.last == t0 {
+            if begins(bounces) {
                 (bounces.start, bounces.turn) = (start, moved - start);
             }
         }
