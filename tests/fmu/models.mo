@@ -71,13 +71,12 @@ package Hybrid "Models for the tests of FMUs"
 
   model Integrator "A part of a model"
     parameter Real k(unit = "1/s") = 1 "Gain";
-    parameter Boolean isInverted = false;
     input Real u "Input";
     output Real y(start = 0, fixed = true) "Integral";
     output Integer n "Whole part";
     output Boolean isHigh;
   equation
-    der(y) = if isInverted then -k*u else k*u;
+    der(y) = k*u;
     n = integer(y);
     isHigh = y > 0.5;
     annotation(experiment(StopTime = 2, Interval = 0.1));
