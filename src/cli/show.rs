@@ -22,13 +22,14 @@ pub fn flatten(options: &Flatten) -> Status {
     // Of an FMU its interface is shown, without loading its code.
     let request = Request { takes_fmu: true, ..options.model.request() };
     let fragments = match session.flatten(&request) {
-        Ok(flat) => {
+        Ok(mut flat) => {
             let fragments = crate::flatten::print::fragments(&flat).map_err(|why| {
                 let cause = RequestCause::FlatModelTooLarge { why: why.to_string() };
                 session.problems.push(Diagnostic::new(cause, flat.span));
                 Status::Model
             });
             // The process ends: freeing a large model would only take time.
+            flat.graph.release_externals();
             std::mem::forget(flat);
             fragments
         }
@@ -51,12 +52,13 @@ pub fn structure(options: &Structure) -> Status {
     let blocks = session.flatten(&request).and_then(|flat| session.sort(flat));
     say(&session);
     match blocks {
-        Ok(blocks) => {
+        Ok(mut blocks) => {
             let status = if options.dot.is_none() && options.svg.is_none() {
                 print(&crate::structure::print::print(&blocks, &session.sources))
             } else {
                 draw(options, &diagram(&blocks))
             };
+            blocks.dae.graph.release_externals();
             std::mem::forget(blocks);
             status
         }

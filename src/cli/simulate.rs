@@ -151,9 +151,10 @@ pub fn run(options: &Simulate) -> Status {
         Status::Done if run.statistics.interrupted => Status::Interrupted,
         status => status,
     };
-    // The folder of an FMU is removed.
+    // The folders of FMUs are removed.
     session.foreign = None;
     program.foreign = None;
+    program.blocks.dae.graph.release_externals();
     // The process ends: freeing gigabytes of a large model would only take time.
     std::mem::forget(program);
     status

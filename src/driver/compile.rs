@@ -178,7 +178,8 @@ impl Session {
         if !cx.class_graph.problems.has_errors() {
             verify::after("instantiate", "instance", || verify::instance::check(&cx.instances));
         }
-        if self.is_last {
+        // The FMUs of components remove their folders when they are dropped.
+        if self.is_last && cx.objects.is_empty() {
             std::mem::forget(cx);
         }
         self.times.push(("flatten", begun.elapsed()));

@@ -265,6 +265,12 @@ impl Graph {
         &self.externals
     }
 
+    /// Drops the external functions of a graph that is not used any more and is not to be freed: the FMUs among them
+    /// remove their folders.
+    pub fn release_externals(&mut self) {
+        self.externals = Arc::default();
+    }
+
     /// The id of an external function, which is added unless an equal one exists.
     pub fn add_external(&mut self, function: Arc<dyn External>) -> ExternalId {
         Arc::make_mut(&mut self.externals).add(function)
