@@ -139,3 +139,28 @@ fn courses(
     };
     Some(wanted.iter().zip(values).map(|(n, v)| (n.clone(), unit(n), v)).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnose::place::Place;
+
+    fn effect(at: &str, over: &[&str]) -> ChosenEffect {
+        let bind = |(k, variable): (usize, &&str)| (format!("u[{k}]"), (*variable).to_owned());
+        let binds = over.iter().enumerate().map(bind).collect();
+        let place = Place { binds, ..Place::at(&[at.to_owned()]) };
+        let (name, prefix, fixed, fitted) = Default::default();
+        ChosenEffect { effect: 0, place, name, prefix, fixed, fitted, group: 0 }
+    }
+
+    /// The order of the variables does not matter; another variable, one more, or another component does.
+    #[test]
+    fn places_are_the_same_with_the_same_variables() {
+        let law = [effect("spring", &["s", "v"])];
+        assert!(is_same_place(&law, &[effect("spring", &["v", "s"])]));
+        for (at, over) in [("spring", &["s"][..]), ("spring", &["s", "p"]), ("mass", &["s", "v"])] {
+            assert!(!is_same_place(&law, &[effect(at, over)]), "{at} over {over:?}");
+        }
+        assert!(!is_same_place(&law, &[effect("spring", &["s", "v"]), effect("mass", &["s"])]));
+    }
+}

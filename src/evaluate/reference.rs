@@ -495,17 +495,13 @@ impl Evaluator<'_> {
                     InstanceKind::Variable { ty, .. } => ty,
                     _ => Type::Real,
                 };
-                let folds = self.mode.fold || self.mode.sizes && ty != Type::Real && self.bound(id);
-                folds && !self.is_left_to_initialization(id)
+                if self.mode.fold && self.is_left_to_initialization(id) {
+                    return Some(None);
+                }
+                self.mode.fold || self.mode.sizes && ty != Type::Real && self.bound(id)
             }
             _ => false,
         };
-        if variability == Some(Variability::Parameter)
-            && !folds
-            && self.is_left_to_initialization(id)
-        {
-            return Some(None);
-        }
         if folds {
             return match self.parameter_value(id, span) {
                 Some(value) => Some(Some(value)),
@@ -542,8 +538,8 @@ impl Evaluator<'_> {
         Some(None)
     }
 
-    /// Whether a Real parameter has no value of any kind, but equations of the initialization determine it: it stands
-    /// for itself where nothing but external objects asks for its value.
+    /// Whether a Real parameter has no value of any kind, but equations of the initialization determine it. It stands for
+    /// itself: external objects move with it, and what needs a number says so.
     fn is_left_to_initialization(&mut self, id: InstanceId) -> bool {
         let InstanceKind::Variable { ty: Type::Real, first: Some(_), .. } = self.instances[id].kind
         else {

@@ -1,6 +1,6 @@
 //! Foreign models as components of a model: functions of the states of their instances.
 //!
-//! A state of an instance is a whole number, its *handle*; it stands for everything that the instance was told so far:
+//! A state of an instance is an Integer, its *handle*; it stands for everything that the instance was told so far:
 //! values, the begin of its run, steps. Handle 0 is an instance that was told nothing. The same message to the same
 //! state gives the same state, so that calls are functions of their arguments, which a run may repeat or leave out.
 

@@ -3,8 +3,14 @@
 
 use std::cmp::Ordering;
 
-/// Compares names; numbers in them by their value, so that `x[2]` precedes `x[10]`.
+/// Compares names: those of outer components precede those inside of them, and numbers are compared by their value, so that
+/// `x[2]` precedes `x[10]`.
 pub fn compare(a: &str, b: &str) -> Ordering {
+    let depth = |name: &str| name.bytes().filter(|c| *c == b'.').count();
+    depth(a).cmp(&depth(b)).then_with(|| compare_text(a, b))
+}
+
+fn compare_text(a: &str, b: &str) -> Ordering {
     let (mut a, mut b) = (a.as_bytes(), b.as_bytes());
     loop {
         let same = a.iter().zip(b).take_while(|(x, y)| x == y && !x.is_ascii_digit()).count();
@@ -37,12 +43,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_compared_by_their_value() {
+    fn outer_names_come_first_and_numbers_are_compared_by_their_value() {
         let mut names =
             ["x[10]", "x[2]", "a.b", "x", "a", "x[2,10]", "x[2,9]", "J2.w", "J10.w", "x[02]"];
         names.sort_by(|a, b| compare(a, b));
         let sorted =
-            ["J2.w", "J10.w", "a", "a.b", "x", "x[2,9]", "x[2,10]", "x[2]", "x[02]", "x[10]"];
+            ["a", "x", "x[2,9]", "x[2,10]", "x[2]", "x[02]", "x[10]", "J2.w", "J10.w", "a.b"];
         assert_eq!(names, sorted);
     }
 }

@@ -48,8 +48,9 @@ def expect(holds: bool, what: str) -> None:
         print(f"  wrong: {what}")
 
 
-def run(mocc: str, *arguments: str) -> None:
-    done = subprocess.run([mocc, *arguments], cwd=ROOT, capture_output=True, text=True)
+def run(mocc: str, *arguments: str, **environment: str) -> None:
+    environment = {**os.environ, **environment}
+    done = subprocess.run([mocc, *arguments], cwd=ROOT, env=environment, capture_output=True, text=True)
     if done.returncode:
         raise SystemExit(f"mocc {' '.join(arguments)}\n{done.stderr}")
 
@@ -342,6 +343,13 @@ def components(mocc: str, folder: Path) -> None:
     found = np.genfromtxt(sweep, delimiter=",", names=True)
     expected = [1 - (1 - 0.1 * k) ** 20 for k in np.linspace(1, 5, 9)]
     expect(np.allclose(found["y"], expected, atol=1e-6), f"a sweep: {found['y']}")
+    # What a command unpacks is gone when it ends.
+    scratch = folder / "scratch"
+    scratch.mkdir()
+    for command in (["simulate", "--output", str(folder / "plant.csv")], ["flatten"], ["structure"]):
+        run(mocc, *command, str(plant), "--allow-fmu", str(fmu), TMPDIR=str(scratch))
+        left = [path.name for path in scratch.iterdir()]
+        expect(not left, f"{command[0]} leaves {left}")
     print("  components")
 
 

@@ -386,7 +386,6 @@ fn report_pair(cx: &mut Evaluator<'_>, pair: &ConnectedPair, cause: ConnectCause
     );
 }
 
-/// The first of the selected instances.
 /// Whether an end is a component whose condition is false. The connection goes with it, and with
 /// the connection the variable that it would have added to an expandable connector at the other end
 /// (sections 4.4.5 and 9.1.3).
@@ -398,6 +397,7 @@ fn is_disabled(cx: &mut Evaluator<'_>, end: &ComponentRef, scope: Scope) -> bool
     })
 }
 
+/// The first of the selected instances.
 fn first_instance(s: &Selection) -> Option<InstanceId> {
     match s {
         Selection::Whole(id) | Selection::Element(id, _) => Some(*id),
