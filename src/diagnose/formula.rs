@@ -108,13 +108,15 @@ impl Form {
     pub fn needs_both_signs(&self) -> bool {
         let of_magnitude = [MAGNITUDE.modelica, EVEN_POWER.modelica];
         let is_even = self.terms.iter().all(|t| of_magnitude.contains(&t.modelica));
-        is_even || !self.has_constant() && self.terms.iter().any(|t| t.modelica == SQUARE.modelica)
+        let is_hinge = self.shapes.iter().any(|s| [EDGE.name, LOWER.name].contains(&s.name));
+        let is_square = self.terms.iter().any(|t| t.modelica == SQUARE.modelica);
+        is_even || is_hinge || !self.has_constant() && is_square
     }
 
     /// It bends a straight line one way, without a place of its own along the line.
     pub fn bends_line(&self) -> bool {
-        let is_placed =
-            self.shapes.iter().any(|s| s.name == CENTRE.name || s.name == WAVE_NUMBER.name);
+        let placed = [CENTRE.name, WAVE_NUMBER.name, EDGE.name, UPPER.name];
+        let is_placed = self.shapes.iter().any(|s| placed.contains(&s.name));
         let is_plain = self.terms.len() == 1 && self.shapes.is_empty();
         !is_placed && !is_plain && !self.has_constant()
     }
@@ -189,6 +191,11 @@ const GROWTH: Term = Term {
 };
 const SATURATION: Term =
     Term { modelica: "tanh({u}/width)", shown: "tanh({u}/width)", value: |u, p| (u / p[0]).tanh() };
+const HYPERBOLA: Term = Term {
+    modelica: "{u}/(width + noEvent(abs({u})))",
+    shown: "{u}/(width + |{u}|)",
+    value: |u, p| u / (p[0] + u.abs()),
+};
 const STEP: Term = Term {
     modelica: "tanh(({u} - centre)/width)",
     shown: "tanh(({u} - centre)/width)",
@@ -219,6 +226,21 @@ const HINGE: Term = Term {
     shown: "max(0, {u} - centre)",
     value: |u, p| (u - p[0]).max(0.0),
 };
+const DEAD_BAND: Term = Term {
+    modelica: "noEvent({u} - max(-edge, min(edge, {u})))",
+    shown: "({u} - max(-edge, min(edge, {u})))",
+    value: |u, p| u - u.clamp(-p[0], p[0]),
+};
+const UPPER_HINGE: Term = Term {
+    modelica: "noEvent(max(0, {u} - upper))",
+    shown: "max(0, {u} - upper)",
+    value: |u, p| (u - p[0]).max(0.0),
+};
+const LOWER_HINGE: Term = Term {
+    modelica: "noEvent(min(0, {u} - lower))",
+    shown: "min(0, {u} - lower)",
+    value: |u, p| (u - p[1]).min(0.0),
+};
 
 const EXPONENT: Shape = Shape {
     name: "exponent",
@@ -241,6 +263,24 @@ const WIDTH: Shape = Shape {
 const CENTRE: Shape = Shape {
     name: "centre",
     starts: &[-0.9, -0.75, -0.6, -0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9],
+    range: (-2.0, 2.0),
+    keeps_sign: false,
+};
+const EDGE: Shape = Shape {
+    name: "edge",
+    starts: &[0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9],
+    range: (1e-3, 2.0),
+    keeps_sign: false,
+};
+const UPPER: Shape = Shape {
+    name: "upper",
+    starts: &[0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9],
+    range: (-2.0, 2.0),
+    keeps_sign: false,
+};
+const LOWER: Shape = Shape {
+    name: "lower",
+    starts: &[0.0, -0.15, -0.3, -0.45, -0.6, -0.75, -0.9],
     range: (-2.0, 2.0),
     keeps_sign: false,
 };
@@ -268,6 +308,14 @@ static FORMS: &[Form] = &[
     Form { name: "LineAndCube", terms: &[LINE, CUBE], shapes: &[], is_zero_at_zero: true },
     Form { name: "Growth", terms: &[GROWTH], shapes: &[SCALE], is_zero_at_zero: true },
     Form { name: "Saturation", terms: &[SATURATION], shapes: &[WIDTH], is_zero_at_zero: true },
+    Form { name: "Hyperbola", terms: &[HYPERBOLA], shapes: &[WIDTH], is_zero_at_zero: true },
+    Form { name: "DeadBand", terms: &[DEAD_BAND], shapes: &[EDGE], is_zero_at_zero: true },
+    Form {
+        name: "LineAndDeadBand",
+        terms: &[LINE, DEAD_BAND],
+        shapes: &[EDGE],
+        is_zero_at_zero: true,
+    },
     Form { name: "Parabola", terms: &[ONE, LINE, SQUARE], shapes: &[], is_zero_at_zero: false },
     Form { name: "OffsetPower", terms: &[ONE, POWER], shapes: &[EXPONENT], is_zero_at_zero: false },
     Form {
@@ -278,6 +326,12 @@ static FORMS: &[Form] = &[
     },
     Form { name: "Hinge", terms: &[HINGE], shapes: &[CENTRE], is_zero_at_zero: false },
     Form { name: "OffsetHinge", terms: &[ONE, HINGE], shapes: &[CENTRE], is_zero_at_zero: false },
+    Form {
+        name: "TwoHinges",
+        terms: &[UPPER_HINGE, LOWER_HINGE],
+        shapes: &[UPPER, LOWER],
+        is_zero_at_zero: false,
+    },
     Form { name: "Wave", terms: &[SINE, COSINE], shapes: &[WAVE_NUMBER], is_zero_at_zero: false },
     Form { name: "Decline", terms: &[DECLINE], shapes: &[WIDTH], is_zero_at_zero: false },
     Form { name: "Bell", terms: &[BELL], shapes: &[CENTRE, WIDTH], is_zero_at_zero: false },

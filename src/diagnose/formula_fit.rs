@@ -415,6 +415,34 @@ mod tests {
         assert!((amplitudes[0] - 5.0 * 2f64.powf(1.5)).abs() < 1e-9);
         assert_eq!(chosen(|x| 2.0 + 3.0 * (-x / 0.4).exp()).0, "Exponential");
         assert_eq!(chosen(|x| (3.0 * x).sin()).0, "Wave");
+        // u/(0.4 + u) = x/(0.8 + x).
+        let (name, amplitudes, shapes) = chosen(|x| 7.0 * x / (0.8 + x));
+        assert_eq!((name, shapes.as_slice()), ("Hyperbola", &[0.4][..]));
+        assert!((amplitudes[0] - 7.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn limits_and_dead_zones_have_forms_where_both_signs_occur() {
+        let of = |f: fn(f64) -> f64| {
+            let mut both = knots(|_| 0.0);
+            both.x = (-4..=4).map(|k| 0.5 * f64::from(k)).collect();
+            both.y = both.x.iter().map(|x| f(*x)).collect();
+            both.weights = vec![100.0; both.x.len()];
+            let curve = FreeCurve { from: Some("a".into()), ..FreeCurve::default() };
+            let effect = Effect { curve: Some(curve), ..Effect::default() };
+            let fit = |e: &Effect| both.fitted(0, e.formula.as_ref()?.form);
+            let all: Vec<Candidate> = formulas(&[effect]).iter().filter_map(fit).collect();
+            let best = all.into_iter().min_by(|a, b| a.criterion.total_cmp(&b.criterion));
+            best.map(|b| (b.form.name, b.amplitudes, b.shapes))
+        };
+        // u = x/2. What exceeds a limit of 1.2 is missing.
+        let limited = of(|x| x.clamp(-1.2, 1.2) - x).expect("a form");
+        assert_eq!((limited.0, limited.2.as_slice()), ("DeadBand", &[0.6][..]));
+        assert!((limited.1[0] + 2.0).abs() < 1e-9);
+        let dead = of(|x| -x.clamp(-0.8, 0.8)).expect("a form");
+        assert_eq!((dead.0, dead.2.as_slice()), ("LineAndDeadBand", &[0.4][..]));
+        let uneven = of(|x| 3.0 * (x - 0.6).max(0.0) + (x + 1.2).min(0.0)).expect("a form");
+        assert_eq!((uneven.0, uneven.2.as_slice()), ("TwoHinges", &[0.3, -0.6][..]));
     }
 
     #[test]
