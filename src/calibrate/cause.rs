@@ -8,7 +8,7 @@ causes! {
     pub enum PlanCause {
         /// A unit is unknown.
         error MO1005 UnknownUnit { unit: String, near: Option<String>, known: String }
-            => ("unknown unit `{unit}`"), remedy(did_you_mean_or(near, format!("known are {known}")));
+            => ("unknown unit `{unit}`"), remedy(did_you_mean_or(near, format!("known are {known}, and what models write, such as `mol/m3`")));
         /// A parameter cannot be fitted.
         error MO1049 NotFittable { name: String, why: &'static str }
             => ("`{name}` cannot be fitted: {why}"),

@@ -145,18 +145,20 @@ fn time_column(table: &TextTable) -> usize {
 
 /// A name without its unit, and the unit: `s_mm`, `p [bar]`, `p (bar)`, `p in bar`.
 fn split_unit(name: &str) -> (String, Option<(String, Unit)>) {
-    let of = |base: &str, unit: &str| {
+    let of = |base: &str, unit: &str, read: fn(&str) -> Option<Unit>| {
         let unit = unit.trim().trim_end_matches([']', ')']).replace('_', " ");
-        let found = Unit::of(&unit)?;
+        let found = read(&unit)?;
         let base = base.trim().trim_end_matches('_').to_owned();
         (!base.is_empty()).then_some((base, Some((unit, found))))
     };
     for separator in ["[", "(", " in "] {
-        if let Some(found) = name.split_once(separator).and_then(|(base, unit)| of(base, unit)) {
+        let parts = name.split_once(separator);
+        if let Some(found) = parts.and_then(|(base, unit)| of(base, unit, Unit::of)) {
             return found;
         }
     }
-    let cuts = name.match_indices('_').filter_map(|(at, _)| of(&name[..at], &name[at + 1..]));
+    let cuts = name.match_indices('_');
+    let cuts = cuts.filter_map(|(at, _)| of(&name[..at], &name[at + 1..], Unit::of_common));
     cuts.into_iter().next().unwrap_or_else(|| (name.trim().to_owned(), None))
 }
 

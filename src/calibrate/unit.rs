@@ -81,8 +81,18 @@ impl Unit {
     /// The second.
     pub const SECOND: Unit = Unit { factor: 1.0, offset: 0.0, dimension: Dimension::TIME };
 
-    /// The unit of this name.
+    /// The unit of this name: one of [`Unit::names`], or an expression of units as models write them, such as `mol/l`.
     pub fn of(name: &str) -> Option<Unit> {
+        Unit::of_common(name).or_else(|| {
+            let found = modelica(name.trim()).filter(|_| !name.trim().is_empty())?;
+            let scale = found.scale?;
+            let dimension = found.dimension;
+            Some(Unit { factor: scale.factor, offset: scale.offset, dimension })
+        })
+    }
+
+    /// The unit of one of [`Unit::names`]: where any text may end a name, `_T` is no tesla.
+    pub fn of_common(name: &str) -> Option<Unit> {
         let name = name.trim();
         if matches!(name, "degC" | "°C") {
             let dimension = Dimension::TEMPERATURE;
@@ -90,7 +100,8 @@ impl Unit {
         }
         let plain = name.replace('_', " ").replace('^', "");
         let (_, factor) = UNITS.iter().find(|(n, _)| *n == plain)?;
-        Some(Unit { factor: *factor, offset: 0.0, dimension: modelica(&plain)?.dimension })
+        let pressure = plain.trim_end_matches(" gauge");
+        Some(Unit { factor: *factor, offset: 0.0, dimension: modelica(pressure)?.dimension })
     }
 
     /// All names.
@@ -111,7 +122,7 @@ impl Unit {
 
 /// The unit as Modelica writes it.
 fn modelica(name: &str) -> Option<unit::Unit> {
-    let name = name.trim_end_matches(" gauge").replace('µ', "u");
+    let name = name.replace('µ', "u");
     unit::Unit::of(if name == "Nm" { "N.m" } else { &name })
 }
 
@@ -122,6 +133,7 @@ mod tests {
     #[test]
     fn factors_are_those_of_the_units_of_models() {
         for (name, factor) in UNITS {
+            let name = name.trim_end_matches(" gauge");
             let scale = modelica(name).and_then(|u| u.scale).expect(name);
             assert!((scale.factor / factor - 1.0).abs() < 1e-9, "{name}");
         }
@@ -135,7 +147,12 @@ mod tests {
         assert_eq!(si(3.5, "mm"), Some(3.5e-3));
         assert_eq!(si(20.0, "degC"), Some(293.15));
         assert_eq!(si(60.0, "l/min"), Some(1e-3));
+        assert_eq!(si(3.0, "mol/l"), Some(3e3));
+        assert_eq!(si(2.0, "kg.m2"), Some(2.0));
+        assert_eq!(si(1.0, "kOhm"), Some(1e3));
         assert_eq!(si(1.0, "furlong"), None);
+        assert_eq!(si(1.0, "mm gauge"), None);
+        assert_eq!(si(1.0, ""), None);
         assert_eq!(Unit::of("°C").map(|u| u.of_si(273.15)), Some(0.0));
     }
 
