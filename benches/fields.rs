@@ -235,13 +235,17 @@ impl Case {
         }
         let names: Vec<&str> = columns.iter().map(|c| c.0.as_str()).collect();
         let mut text = names.join(",") + "\n";
-        let mut last = f64::NEG_INFINITY;
+        // Where an input jumps there are two rows; the later one sees the input from then on.
+        let mut rows: Vec<Vec<f64>> = Vec::new();
         for line in lines {
             let row: Vec<f64> = line.split(',').map(|x| x.parse().unwrap_or(f64::NAN)).collect();
-            if row.iter().any(|x| x.is_nan()) || row[0] <= last {
+            if row.iter().any(|x| x.is_nan()) {
                 continue;
             }
-            last = row[0];
+            rows.pop_if(|last| last[0] >= row[0]);
+            rows.push(row);
+        }
+        for row in rows {
             let values: Vec<String> = columns
                 .iter()
                 .map(|&(_, k, sigma)| (row[k] + sigma * random.normal()).to_string())

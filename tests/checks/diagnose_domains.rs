@@ -332,7 +332,7 @@ fn an_actuator_with_a_lag_is_found() {
     assert_found(&found, &scratch, "Effects.ActuatorLag", "P", &[("T", 12.0, 0.3)]);
 }
 
-/// An amplifier that saturates: the characteristic over the input.
+/// An amplifier that gives no more than 30 W.
 #[test]
 fn an_actuator_that_saturates_is_found() {
     let study = Study {
@@ -344,7 +344,8 @@ fn an_actuator_that_saturates_is_found() {
         inputs: &[("P", "asked")],
     };
     let (found, scratch) = study.diagnose();
-    assert_found(&found, &scratch, "Effects.FreeActuator", "P", &[]);
+    let values = [("y_max", 30.0, 0.3), ("a", 1.0, 0.01)];
+    assert_found(&found, &scratch, "Effects.ActuatorLimit", "P", &values);
 }
 
 /// `i = 5 mA (v/3 V)^5`: no law of the library, so the curve over the voltage becomes a formula. The amplitude is that at

@@ -658,6 +658,33 @@ package EffectTests
       annotation(experiment(StopTime = 5, Tolerance = 1e-9));
     end SensorSaturation;
 
+    model ActuatorLimit
+      extends Check;
+      Effects.ActuatorLimit effect(a = 0.75, y_max = 2, u = time - 3);
+    equation
+      found = {effect.y};
+      exact = {if time < 1 then -2 + 0.25*(time - 1) elseif time < 5 then time - 3 else 2 + 0.25*(time - 5)};
+      annotation(experiment(StopTime = 6, Tolerance = 1e-9));
+    end ActuatorLimit;
+
+    model SensorLimit
+      extends Check;
+      Effects.SensorLimit effect(a = 1, y_max = 2, u = 3 - time);
+    equation
+      found = {effect.y};
+      exact = {if time < 1 then 2 elseif time < 5 then 3 - time else -2};
+      annotation(experiment(StopTime = 6, Tolerance = 1e-9));
+    end SensorLimit;
+
+    model ActuatorDeadZone
+      extends Check;
+      Effects.ActuatorDeadZone effect(a = 1, b = 0.5, u = time - 3);
+    equation
+      found = {effect.y};
+      exact = {if time < 2.5 then time - 2.5 elseif time < 3.5 then 0 else time - 3.5};
+      annotation(experiment(StopTime = 6, Tolerance = 1e-9));
+    end ActuatorDeadZone;
+
     model FreeSensor
       extends Check;
       // Knots on a straight line.
@@ -1600,6 +1627,23 @@ package EffectTests
       extends Base;
       Effects.SensorSaturation effect(u = v);
     end SensorSaturation;
+
+    model ActuatorLimit
+      extends Driven;
+      Effects.ActuatorLimit effect(u = u);
+      annotation(__mocc(through = "u = effect.y"));
+    end ActuatorLimit;
+
+    model SensorLimit
+      extends Base;
+      Effects.SensorLimit effect(u = v, y_max = 1e-3);
+    end SensorLimit;
+
+    model ActuatorDeadZone
+      extends Driven;
+      Effects.ActuatorDeadZone effect(u = u);
+      annotation(__mocc(through = "u = effect.y"));
+    end ActuatorDeadZone;
 
     model FreeSensor
       extends Base;
