@@ -133,21 +133,29 @@ impl<W: Write> TableWriter<W> {
     /// Fills `row`, reading `before`.
     fn format(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
         let Row { text, bits, ends } = &mut self.row;
+        let (before, cells) = (&self.before, self.names.len());
         text.clear();
-        bits.clear();
-        ends.clear();
-        bits.push(time.to_bits());
-        bits.extend(values.iter().map(|v| v.to_bits()));
-        let before = &self.before;
+        bits.resize(cells, 0);
+        ends.resize(cells, 0);
+        bits[0] = time.to_bits();
+        for (bits, value) in bits[1..].iter_mut().zip(values) {
+            *bits = value.to_bits();
+        }
+        // None before the first row.
+        let known = before.bits.len();
         let mut i = 0;
-        while i < bits.len() {
+        while i < cells {
             // `before` contains only finite values, so equal values are finite.
-            let same = bits[i..].iter().zip(before.bits.iter().skip(i)).take_while(|(a, b)| a == b);
-            let next = i + same.count();
+            let mut next = i;
+            while next < known && bits[next] == before.bits[next] {
+                next += 1;
+            }
             if next > i {
                 let start = if i == 0 { 0 } else { before.ends[i - 1] };
                 let here = text.len();
-                ends.extend(before.ends[i..next].iter().map(|end| end - start + here));
+                for (end, earlier) in ends[i..next].iter_mut().zip(&before.ends[i..next]) {
+                    *end = earlier - start + here;
+                }
                 text.extend_from_slice(&before.text[start..before.ends[next - 1]]);
             }
             i = next;
@@ -158,7 +166,7 @@ impl<W: Write> TableWriter<W> {
             }
             push_number(text, value, self.whole[i]);
             text.push(b',');
-            ends.push(text.len());
+            ends[i] = text.len();
             i += 1;
         }
         Ok(())

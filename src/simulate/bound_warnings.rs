@@ -73,8 +73,8 @@ impl BoundWarnings {
 }
 
 fn is_within(bounds: &Bounds, margin: f64, memory: &[f64]) -> bool {
-    let [value, min, max] =
-        [bounds.value, bounds.min, bounds.max].map(|slot| memory[slot as usize]);
+    let at = |slot| memory[slot as usize];
+    let (value, min, max) = (at(bounds.value), at(bounds.min), at(bounds.max));
     value >= min && value <= max || {
         let nominal = memory[bounds.nominal as usize].abs();
         let is_near = |bound: f64| {

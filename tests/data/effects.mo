@@ -581,6 +581,18 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
     end LinearVariation;
 
+    model PowerVariation
+      extends Check;
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+      Effects.PowerVariation effect(e = 0.5, x = -1 - time, x_0 = 2);
+    equation
+      der(T) = -k*T;
+      found = {T};
+      exact = {exp(-4/3/sqrt(2)*((1 + time)^1.5 - 1))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end PowerVariation;
+
     model FreeVariation
       extends Check;
       // Knots on a straight line.
@@ -1577,6 +1589,12 @@ package EffectTests
       Effects.LinearVariation effect(x = s, x_hi = 3.5e-3);
       annotation(__mocc(varies = "spring.c = effect.factor"));
     end LinearVariation;
+
+    model PowerVariation
+      extends Base;
+      Effects.PowerVariation effect(x = s, x_0 = 3.5e-3);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end PowerVariation;
 
     model FreeVariation
       extends Base;
