@@ -92,9 +92,17 @@ fn curve_of(study: &Study, effect: usize) -> Option<(usize, &FreeCurve)> {
     if let Some(curve) = &own.curve {
         return Some((effect, curve));
     }
-    let is_line = own.varies.is_some() && own.formula.is_none() && own.amplitudes.len() == 1;
-    let mut all = study.effects.iter().enumerate().filter(|(_, e)| is_line && e.varies.is_some());
-    all.find_map(|(k, e)| Some((k, e.curve.as_ref()?)))
+    let varies = own.varies.is_some() && own.formula.is_none();
+    let is_along = |curve: &FreeCurve| {
+        own.shape_parameters.iter().any(|(n, _)| curve.from.as_ref() == Some(n))
+    };
+    let mut all = study.effects.iter().enumerate().filter(|(_, e)| varies && e.varies.is_some());
+    all.find_map(|(k, e)| Some((k, e.curve.as_ref().filter(|c| is_along(c))?)))
+}
+
+/// True for an effect that a formula may take the place of: a free curve, or a parameter that varies along a straight line.
+pub fn has_formulas(study: &Study, effect: usize) -> bool {
+    curve_of(study, effect).is_some()
 }
 
 /// A fitted curve.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::candidate_fit::CandidateFits;
-use super::formula_fit::{allowance, formula_instead};
+use super::formula_fit::{allowance, formula_instead, has_formulas};
 use super::hypothesis::Hypothesis;
 use super::preference::{ends_with_curve, ends_with_variation};
 use super::rank::{Scored, rank};
@@ -70,20 +70,30 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
 
 /// Adds the best formula in the place of the best hypothesis, if that is a free curve of which other parameters take a
 /// share, so that nothing determines it, or if it describes what is missing only roughly: a curve between its knots, a
-/// parameter that varies along a straight line. A second effect would else be found that makes up for the first.
+/// parameter that varies along a straight line or a power. A second effect would else be found that makes up for the
+/// first.
 fn with_formulas(search: &Search<'_>, hypotheses: &mut Vec<Hypothesis>) {
     let study = search.study;
     let Some(best) = hypotheses.first() else { return };
     let is_vague = ends_with_curve(study, best) || ends_with_variation(study, best);
     let is_determined = best.is_determined(study);
+    let last = best.effects.len() - 1;
     // What little a straight line leaves may as well be a second parameter that varies alike.
-    let is_nearly_straight = !ends_with_curve(study, best) && search.is_nearly_resolved(best);
+    let is_straight =
+        !ends_with_curve(study, best) && has_formulas(study, best.effects[last].effect);
+    let is_nearly_straight = is_straight && search.is_nearly_resolved(best);
     let is_done = !is_vague || best.is_resolved(search.policy()) || is_nearly_straight;
     if is_determined && is_done {
         return;
     }
-    let last = best.effects.len() - 1;
-    if let Some(formula) = formula_instead(search, best, last) {
+    // A power has no knots, but the straight line or the curve of the same parameter has.
+    let place = &best.effects[last].place;
+    let has_knots = |h: &&Hypothesis| {
+        let own = h.effects.get(last);
+        own.is_some_and(|c| c.place == *place && has_formulas(study, c.effect))
+    };
+    let Some(from) = hypotheses.iter().find(has_knots) else { return };
+    if let Some(formula) = formula_instead(search, from, last) {
         let allowance = if is_determined { allowance(search, best, last) } else { 0.0 };
         let criterion = formula.total_criterion() - allowance;
         let is_worse = |h: &Hypothesis| h.is_determined(study) && h.total_criterion() > criterion;
@@ -110,9 +120,11 @@ pub fn promising(
         let effect = &study.effects[s.effect];
         let (varies, is_choice) = (effect.varies.is_some(), effect.choice.is_some());
         let is_repeated = proposals.iter().any(|known| known.promises_as(s));
+        // The best straight line, power and curve are fitted in any case.
+        let is_first = !proposals.iter().any(|known| known.effect == s.effect);
         if proposals.len() == most
             || is_repeated
-            || varies && variations == policy.fitted_variations
+            || varies && variations >= policy.fitted_variations && !is_first
             || is_choice && choices == policy.fitted_choices
         {
             continue;

@@ -42,6 +42,7 @@ pub fn sort_by_preference(
             hypotheses[..=k].rotate_right(1);
         }
     }
+    prefer_simple_variation(search, hypotheses, &criterion);
     let Some(curve) = hypotheses.first().filter(|h| ends_with_curve(study, h)) else { return };
     let explained = |h: &Hypothesis| from.train.total() - h.train.total();
     let wanted = policy.parametric_share * explained(curve);
@@ -61,6 +62,27 @@ pub fn sort_by_preference(
     };
     let is_parametric = |h: &Hypothesis| !ends_with_curve(study, h) && !of_instrument(h);
     if let Some(k) = hypotheses.iter().position(|h| is_parametric(h) && nearly_as_good(h)) {
+        hypotheses[..=k].rotate_right(1);
+    }
+}
+
+/// Puts the first law of the catalogue, which begins with the straight line, before others by which the same parameter
+/// varies with the same variable, if it explains as much.
+fn prefer_simple_variation(
+    search: &Search<'_>,
+    hypotheses: &mut [Hypothesis],
+    criterion: &impl Fn(&Hypothesis) -> f64,
+) {
+    let varies = |h: &&Hypothesis| ends_with_variation(search.study, h);
+    let Some(first) = hypotheses.first().filter(varies) else { return };
+    let Some(own) = first.effects.last() else { return };
+    let as_good = criterion(first) + search.policy().evidence;
+    let is_simpler = |h: &Hypothesis| {
+        let other = h.effects.last();
+        other.is_some_and(|c| c.place == own.place && c.effect < own.effect)
+            && criterion(h) < as_good
+    };
+    if let Some(k) = hypotheses.iter().position(is_simpler) {
         hypotheses[..=k].rotate_right(1);
     }
 }

@@ -593,6 +593,19 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
     end PowerVariation;
 
+    model ArrheniusVariation
+      extends Check;
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+      // With this x, the factor is exp(time).
+      Effects.ArrheniusVariation effect(b = 2, x = 3/(1 - time/2), x_0 = 3);
+    equation
+      der(T) = -k*T;
+      found = {T};
+      exact = {exp(-2*(exp(time) - 1))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end ArrheniusVariation;
+
     model FreeVariation
       extends Check;
       // Knots on a straight line.
@@ -1595,6 +1608,12 @@ package EffectTests
       Effects.PowerVariation effect(x = s, x_0 = 3.5e-3);
       annotation(__mocc(varies = "spring.c = effect.factor"));
     end PowerVariation;
+
+    model ArrheniusVariation
+      extends Base;
+      Effects.ArrheniusVariation effect(x = s, x_0 = 3.5e-3);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end ArrheniusVariation;
 
     model FreeVariation
       extends Base;
