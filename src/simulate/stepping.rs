@@ -9,6 +9,7 @@ use std::sync::LazyLock;
 use crate::base::diag::Diagnostic;
 use crate::base::source::SourceMap;
 use crate::base::wire::wire_struct;
+use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Slot};
 use crate::ir::trajectory::{Column, Event};
 use crate::runtime::delay::DelayBuffers;
@@ -188,6 +189,18 @@ impl<'p> Stepping<'p> {
     /// Sets an input at the communication point; [`Stepping::execute_event`] must follow.
     pub fn set_input(&mut self, slot: Slot, value: f64) {
         self.simulation.system.machine.set(slot, value);
+    }
+
+    /// Changes a parameter at the communication point, and those that are computed from it;
+    /// [`Stepping::execute_event`] must follow.
+    pub fn set_parameter(&mut self, v: VarId, value: f64) -> Result<(), Failure> {
+        // The integrator may be ahead, where the parameter has its last value.
+        let here = self.save()?;
+        self.restore(&here)?;
+        let machine = &mut self.simulation.system.machine;
+        machine.set_parameter(v, value);
+        let computed = machine.run(&machine.program.tapes.parameters);
+        computed.map_err(|fault| of_fault(&self.simulation.system.machine, fault, self.now))
     }
 
     /// The next time event, s; infinity if there is none.

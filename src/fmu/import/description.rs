@@ -305,6 +305,7 @@ fn scalars(
                 value: first + k,
                 start,
                 may_be_set,
+                is_tunable: role == ForeignRole::Parameter && variability == "tunable",
                 unit: text("unit"),
                 display_unit: text("displayUnit"),
                 description: description.to_owned(),

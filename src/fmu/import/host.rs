@@ -24,9 +24,15 @@ pub fn serve() -> io::Result<()> {
     let mut buffer = Vec::new();
     let mut host: Option<Host> = None;
     while let Ok(order) = receive::<Order>(&mut stream, &mut buffer) {
-        let answer = match (order, &mut host) {
+        let answer = match (order, host.as_mut()) {
             (Order::Load(load), _) => {
-                watch_parent(PathBuf::from(&load.folder));
+                if host.is_none() {
+                    watch_parent(PathBuf::from(&load.folder));
+                }
+                // The instance of the last run goes first: an FMU may allow only one.
+                if let Some(last) = host.take() {
+                    last.instance.end();
+                }
                 match Host::new(*load) {
                     Ok(made) => {
                         host = Some(made);
