@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::base::source::Span;
 use crate::driver::compile::Request;
+use crate::driver::surrounded::Surrounded;
 use crate::numeric::time_series::Interpolation;
 
 use super::data::{Data, Split};
@@ -72,6 +73,8 @@ pub struct WholeFmu {
     pub file: PathBuf,
     /// Its parameters that keep their values during a run.
     pub fixed: Vec<String>,
+    /// The open FMU.
+    pub open: Arc<Surrounded>,
 }
 
 /// A column of the table that sets a parameter.

@@ -4,6 +4,8 @@
 //! actuators and parameters that vary are attached to this model as to any other; there is no connector to which anything
 //! else could be. In: a plan whose model is an FMU. Out: the same plan for the generated model.
 
+use std::sync::Arc;
+
 use crate::calibrate::data::Data;
 use crate::calibrate::plan::{Plan, WholeFmu};
 use crate::driver::compile::{CompileError, Session};
@@ -11,7 +13,7 @@ use crate::driver::foreign::is_fmu;
 use crate::driver::surrounded::{Surrounded, Wanted};
 
 /// Communication points between two rows of a recording.
-const POINTS_PER_ROW: f64 = 2.0;
+const POINTS_PER_ROW: f64 = 4.0;
 /// Distance of communication points without recordings that tell it, s.
 const STEP: f64 = 0.01;
 
@@ -45,11 +47,11 @@ pub(super) fn surround(
     let file = plan.model.clone();
     plan.model = file.with_extension("mo");
     plan.name = None;
-    plan.fmu = Some(WholeFmu { file, fixed: fmu.fixed_parameters() });
     let mut memory = (*plan.memory).clone();
     memory.model = Some(text);
     plan.memory = memory.into();
     rename(plan, &fmu);
+    plan.fmu = Some(WholeFmu { file, fixed: fmu.fixed_parameters(), open: Arc::new(fmu) });
     Ok(())
 }
 

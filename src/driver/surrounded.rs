@@ -2,12 +2,13 @@
 //! differ from run to run. Inside it nothing can be added.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::fmu::cause::FmuCause;
-use crate::fmu::import::model::{Fmu, Integrating, open};
+use crate::fmu::import::model::{Fmu, Integrating, open_shared};
 use crate::fmu::import::text::identifier;
 use crate::fmu::import::whole::{Whole, model, start_name};
 use crate::ir::foreign::{ForeignModel, ForeignRole, ForeignVariable};
@@ -17,9 +18,11 @@ use super::compile::{CompileError, Session};
 /// Names of packages and models that a diagnosis adds.
 const TAKEN: [&str; 3] = ["Effects", "Units", "Trial"];
 
-/// An FMU that integrates itself, and the names of its variables.
+/// An FMU that integrates itself, and the names of its variables. While it lives, models that run the FMU need not
+/// unpack it.
+#[derive(Debug)]
 pub struct Surrounded {
-    fmu: Fmu,
+    fmu: Arc<Fmu>,
     file: String,
 }
 
@@ -40,7 +43,7 @@ impl Surrounded {
     /// Reads an FMU; its code is not loaded. Errors go to the session.
     pub fn open(session: &mut Session, file: &Path) -> Result<Surrounded, CompileError> {
         let path = file.display().to_string();
-        match open(file, Some(Integrating::There)) {
+        match open_shared(file, Some(Integrating::There)) {
             Ok(fmu) => Ok(Surrounded { fmu, file: path }),
             Err(diagnostic) => {
                 let lacks = |cause: &FmuCause| matches!(cause, FmuCause::NotOffered { .. });
@@ -94,6 +97,7 @@ impl Surrounded {
             file: &self.file,
             token: self.fmu.token(),
             step: own.unwrap_or(*step),
+            is_even: own.is_some(),
             shown,
             starts,
             passed,

@@ -255,6 +255,10 @@ impl<'p> Stepping<'p> {
         simulation.y[..n].copy_from_slice(&saved.y);
         simulation.ended = false;
         simulation.accumulation = None;
+        // Rows before this point are those of another run.
+        while simulation.recorder.due(saved.t, true).is_some() {
+            simulation.recorder.advance();
+        }
         self.pending = None;
         self.now = saved.t;
         let (t, y) = (saved.t, simulation.y.clone());

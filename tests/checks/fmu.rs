@@ -184,6 +184,36 @@ fn inputs_and_saved_states() {
     assert!(Saved::from_bytes(&bytes[..bytes.len() / 2]).is_err());
 }
 
+/// A state that is restored in a new instance does not lead the run through the rows before it, where the last step
+/// says nothing: here it would pass through negative values.
+#[test]
+fn a_state_goes_on_in_a_new_instance() {
+    let text = "model Growth
+  Real x(start = 1e-3, fixed = true);
+  Real y;
+equation
+  der(x) = 20*x;
+  y = log(x);
+  annotation(experiment(StopTime = 1, Interval = 0.01));
+end Growth;";
+    let (_, program, _) = exported(text);
+    let start = || {
+        let mut model = Instance::new(&program, Kind::Stepping { events: false });
+        model.set_up(Some(1e-9), 0.0, Some(1.0)).expect("a run");
+        model.enter_initialization().expect("initialization");
+        model.exit_initialization().expect("initialized");
+        model
+    };
+    let mut model = start();
+    model.step(0.0, 0.5).expect("a step");
+    let state = model.save().expect("a state");
+    let mut other = start();
+    other.restore(&state).expect("restored");
+    other.step(0.5, 0.25).expect("a step");
+    let y = other.get(value_reference(&program, "y")).expect("a value");
+    assert!((y - (1e-3_f64.ln() + 15.0)).abs() < 1e-6, "{y}");
+}
+
 /// `x` decays with one time constant, and from the change of the parameter on with the other; also without inputs, where
 /// the integrator is ahead of the communication points.
 #[test]

@@ -12,9 +12,9 @@ use super::program::{Ended, mocc};
 /// Standard deviation of the noise, K.
 const SIGMA: f64 = 0.05;
 /// Distance of the rows, s.
-const ROW: f64 = 4.0;
+const ROW: f64 = 8.0;
 /// Length of a recording, s.
-const LENGTH: f64 = 600.0;
+const LENGTH: f64 = 360.0;
 
 const HEATER: &str = r#"model Heater "A heated body in a room"
   parameter Real C(unit = "J/K") = 400 "Heat capacity";
@@ -66,7 +66,7 @@ fn power(recording: usize, t: f64) -> f64 {
         [70.0, 15.0, 45.0, 80.0, 3.0, 30.0],
     ];
     let levels = &levels[recording % levels.len()];
-    let at = t / 100.0;
+    let at = t / 60.0;
     let k = (at as usize).min(levels.len() - 1);
     // A fifth of each interval is a ramp.
     let part = ((at - k as f64) / 0.2).min(1.0);

@@ -19,8 +19,6 @@ use crate::ir::foreign::{ForeignFault, ForeignInstance, ForeignModel, ForeignRol
 
 /// Runs whose instances are kept if nobody says that they have ended; those of the oldest are ended.
 const MOST_RUNS: usize = 64;
-/// Instances of ended runs that wait for the next.
-const MOST_IDLE: usize = 4;
 /// States of a run whose values are kept.
 const KEPT_STATES: usize = 8;
 /// The tolerance of a Co-Simulation whose FMU asks for none.
@@ -55,7 +53,6 @@ struct Store {
     known: FastMap<(u64, Message), u64>,
     last: u64,
     runs: VecDeque<ThreadRun>,
-    idle: Vec<Box<dyn ForeignInstance + Send>>,
 }
 
 /// A run on a thread. Runs that were told the same are different ones on different threads, which are not at the same
@@ -98,7 +95,7 @@ impl std::fmt::Debug for Live {
 /// An FMU from which a component of a model is made.
 #[derive(Debug)]
 pub struct FmuComponent {
-    fmu: Fmu,
+    fmu: Arc<Fmu>,
     numbers: FastMap<String, usize>,
     /// The values that may be read.
     watched: Vec<usize>,
@@ -109,7 +106,7 @@ pub struct FmuComponent {
 
 /// Opens an FMU for the component of a model that was imported from the one with this token.
 pub fn open(file: &Path, token: &str) -> Result<FmuComponent, String> {
-    let fmu = model::open(file, Some(Integrating::There)).map_err(|d| d.message.clone())?;
+    let fmu = model::open_shared(file, Some(Integrating::There)).map_err(|d| d.message.clone())?;
     if fmu.token() != token {
         return Err("it is another FMU than the one that was imported; import it again".to_owned());
     }
@@ -171,19 +168,16 @@ impl Store {
         self.known.retain(|_, state| states.contains_key(&*state));
     }
 
-    /// Ends the runs of this thread; their instances wait for the next.
-    fn release(&mut self) {
+    /// Ends the runs of this thread; their instances.
+    fn release(&mut self) -> Vec<Box<dyn ForeignInstance + Send>> {
         let thread = thread_number();
         let (ended, others): (VecDeque<_>, _) =
             std::mem::take(&mut self.runs).into_iter().partition(|r| r.thread == thread);
         self.runs = others;
-        for run in &ended {
-            let instance = locked(&run.live).instance.take();
-            self.idle.extend(instance.filter(|_| self.idle.len() < MOST_IDLE));
-        }
         if !ended.is_empty() {
             self.forget();
         }
+        ended.iter().filter_map(|run| locked(&run.live).instance.take()).collect()
     }
 
     /// The messages from one of two states, the nearer one, to a state; and whether it is the first of them.
@@ -262,9 +256,7 @@ impl FmuComponent {
             (f64::from_bits(start), messages.iter().filter_map(value).collect::<Vec<_>>())
         };
         values.sort_by_key(|(value, _)| *value);
-        let idle = locked(&self.store).idle.pop();
-        let renewed = idle.and_then(|mut idle| idle.renew().is_ok().then_some(idle));
-        let mut instance = renewed.map_or_else(|| self.fmu.start(&self.watched), Ok)?;
+        let mut instance = self.fmu.start_again(&self.watched)?;
         // The end is not known; a run may last longer than the default experiment of the FMU.
         let stop = f64::INFINITY;
         let tolerance = self.fmu.interface().experiment[3];
@@ -345,7 +337,8 @@ impl Component for FmuComponent {
     }
 
     fn release(&self) {
-        locked(&self.store).release();
+        let ended = locked(&self.store).release();
+        self.fmu.give_back(ended);
     }
 
     fn take_failure(&self) -> Option<Box<Diagnostic>> {

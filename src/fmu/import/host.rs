@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::description::{Group, Passing};
-use super::library::{Instance, Trouble, messages};
+use super::library::{Instance, Trouble, keep_loaded, messages};
 use super::message::{Answer, Load, Order, Point, receive, send};
 
 /// Time between two looks after the parent process.
@@ -28,6 +28,7 @@ pub fn serve() -> io::Result<()> {
             (Order::Load(load), _) => {
                 if host.is_none() {
                     watch_parent(PathBuf::from(&load.folder));
+                    keep_loaded(&load);
                 }
                 // The instance of the last run goes first: an FMU may allow only one.
                 if let Some(last) = host.take() {

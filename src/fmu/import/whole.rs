@@ -3,7 +3,9 @@
 //!
 //! The FMU steps from one communication point to the next, as in a [`block`](super::block), but more closely: a step gets
 //! the means of its inputs at both ends, and between two points outputs continue on the line through the last two. So
-//! the error of the coupling falls with the square of the step, and outputs can be differentiated by time.
+//! the error of the coupling falls with the square of the step, and outputs can be differentiated by time. At a point an
+//! output jumps a little, from the line to its value, which sensors with short time constants would see as a fast change.
+//! So the first step is half as long as the others: rows at multiples of the step lie between points.
 //!
 //! In: the interface, and which of its variables the model has. Out: a text that needs no other library.
 
@@ -23,6 +25,8 @@ pub struct Whole<'a> {
     pub token: &'a str,
     /// The distance of communication points, s.
     pub step: f64,
+    /// Every step has that length, the first one too.
+    pub is_even: bool,
     /// Variables that the FMU computes and that are not its outputs.
     pub shown: &'a [String],
     /// Variables whose start values are parameters of the model, named `x.start`.
@@ -48,8 +52,28 @@ struct Kept<'a> {
     name: String,
     /// Its value at the last communication point.
     held: String,
-    /// Its rate over the last step, if it is a Real output.
-    rate: String,
+}
+
+/// Names that no variable of the FMU has.
+struct Own {
+    /// The distance of communication points.
+    step: String,
+    /// The FMU.
+    fmu: String,
+    /// Its state.
+    state: String,
+    /// Its state one step before.
+    before: String,
+    /// Its state after the initialization.
+    start: String,
+    /// The instant at which it starts.
+    begin: String,
+    /// The number of steps.
+    steps: String,
+    /// The last communication point.
+    point: String,
+    /// The length of the step to it.
+    size: String,
 }
 
 struct Writer<'a> {
@@ -59,9 +83,7 @@ struct Writer<'a> {
     starts: Vec<&'a ForeignVariable>,
     inputs: Vec<Kept<'a>>,
     outputs: Vec<Kept<'a>>,
-    /// Names that no variable of the FMU has: the step, the FMU, its state, the state after the start, the instant of the
-    /// start, the number of steps, and the instant of the last communication point.
-    own: [String; 7],
+    own: Own,
 }
 
 impl<'a> Writer<'a> {
@@ -80,7 +102,6 @@ impl<'a> Writer<'a> {
                 variable,
                 name: identifier(&variable.name),
                 held: own(&format!("fmu{what}{}", k + 1)),
-                rate: own(&format!("fmu{what}Rate{}", k + 1)),
             };
             found.map(one).collect()
         };
@@ -96,16 +117,17 @@ impl<'a> Writer<'a> {
             starts: all.iter().filter(|v| whole.starts.contains(&v.name)).collect(),
             inputs: kept("Input", &|v| v.role == ForeignRole::Input),
             outputs: kept("Output", &is_shown),
-            own: [
-                "communicationStep",
-                "fmu",
-                "fmuState",
-                "fmuStart",
-                "fmuBegin",
-                "fmuSteps",
-                "fmuPoint",
-            ]
-            .map(own),
+            own: Own {
+                step: own("communicationStep"),
+                fmu: own("fmu"),
+                state: own("fmuState"),
+                before: own("fmuBefore"),
+                start: own("fmuStart"),
+                begin: own("fmuBegin"),
+                steps: own("fmuSteps"),
+                point: own("fmuPoint"),
+                size: own("fmuStepSize"),
+            },
         }
     }
 
@@ -171,49 +193,50 @@ impl<'a> Writer<'a> {
         }
         out.push_str(&format!(
             "  parameter Real {}(unit=\"s\", min=0) = {:e} \"Distance of communication points\";\n",
-            self.own[0], self.whole.step
+            self.own.step, self.whole.step
         ));
     }
 
     /// What is kept from one communication point to the next.
     fn keep(&self, out: &mut String) {
-        let [_, fmu, state, start, begin, steps, point] = &self.own;
+        let Own { fmu, state, before, start, begin, steps, point, size, .. } = &self.own;
         let (file, token) = (quoted(self.whole.file), quoted(self.whole.token));
         out.push_str(&format!("  parameter FMU {fmu} = FMU({file}, {token});\n"));
-        out.push_str(&format!("  discrete Integer {state} \"State of the FMU\";\n"));
-        out.push_str(&format!(
-            "  parameter Integer {start}(fixed=false) \"State of the FMU after its initialization\";\n"
-        ));
-        out.push_str(&format!(
-            "  parameter Real {begin}(unit=\"s\", fixed=false) \"Instant at which it starts\";\n"
-        ));
-        out.push_str(&format!(
-            "  discrete Integer {steps}(start=0, fixed=true) \"Number of steps\";\n"
-        ));
-        out.push_str(&format!(
-            "  discrete Real {point}(unit=\"s\") \"Last communication point\";\n"
-        ));
-        let mut add = |v: &ForeignVariable, name: &str, more: &str, what: &str| {
-            let (ty, of) = (type_name(v.ty), v.name.replace('"', "'"));
-            out.push_str(&format!("  discrete {ty} {name}{more} \"{what} {of}\";\n"));
+        let mut add = |declaration: String, what: &str| {
+            out.push_str(&format!("  {declaration} \"{what}\";\n"));
         };
+        add(format!("discrete Integer {state}"), "State of the FMU");
+        add(format!("discrete Integer {before}"), "State of the FMU one step before");
+        add(
+            format!("parameter Integer {start}(fixed=false)"),
+            "State of the FMU after its initialization",
+        );
+        add(
+            format!("parameter Real {begin}(unit=\"s\", fixed=false)"),
+            "Instant at which it starts",
+        );
+        add(format!("discrete Integer {steps}(start=0, fixed=true)"), "Number of steps");
+        add(format!("discrete Real {point}(unit=\"s\")"), "Last communication point");
+        add(format!("discrete Real {size}(unit=\"s\")"), "Length of the last step");
         for kept in self.parameters.iter().filter(|kept| self.is_passed(kept)) {
-            let start = format!("(start={}, fixed=true)", kept.name);
-            add(kept.variable, &kept.held, &start, "Last value of");
+            add(
+                format!("discrete Real {}(start={}, fixed=true)", kept.held, kept.name),
+                &last(kept.variable),
+            );
         }
-        for kept in self.inputs.iter().chain(&self.outputs) {
-            add(kept.variable, &kept.held, "", "Last value of");
+        for Kept { variable, held, .. } in &self.inputs {
+            add(format!("discrete {} {held}", type_name(variable.ty)), &last(variable));
         }
-        for kept in self.outputs.iter().filter(|kept| kept.variable.ty == ForeignType::Real) {
-            add(kept.variable, &kept.rate, "(start=0, fixed=true)", "Rate of");
+        for Kept { variable, held, .. } in &self.outputs {
+            add(format!("{} {held}", type_name(variable.ty)), &last(variable));
         }
     }
 
     /// The initialization.
     fn begin(&self, out: &mut String) {
-        let [_, fmu, state, start, begin, _, point] = &self.own;
+        let Own { step, fmu, state, before, start, begin, point, size, .. } = &self.own;
         out.push_str("initial equation\n");
-        out.push_str(&format!("  {begin} = time;\n  {point} = time;\n"));
+        out.push_str(&format!("  {begin} = time;\n  {point} = time;\n  {size} = {step};\n"));
         let mut chain = "0".to_owned();
         for kept in &self.parameters {
             let value = match self.is_passed(kept) {
@@ -229,18 +252,15 @@ impl<'a> Writer<'a> {
             chain = set(fmu, kept.variable, &chain, &number(kept.variable.ty, &kept.name));
         }
         out.push_str(&format!("  {start} = begin({fmu}, {chain}, {begin});\n"));
-        out.push_str(&format!("  {state} = {start};\n"));
+        out.push_str(&format!("  {state} = {start};\n  {before} = {start};\n"));
         for kept in &self.inputs {
             out.push_str(&format!("  {} = {};\n", kept.held, kept.name));
-        }
-        for kept in &self.outputs {
-            out.push_str(&format!("  {} = {};\n", kept.held, self.got(kept, start)));
         }
     }
 
     /// A value of the FMU in a state.
     fn got(&self, kept: &Kept<'_>, state: &str) -> String {
-        let value = format!("getValue({}, {}, {state})", self.own[1], quoted(&kept.variable.name));
+        let value = format!("getValue({}, {}, {state})", self.own.fmu, quoted(&kept.variable.name));
         match kept.variable.ty {
             ForeignType::Real => value,
             ForeignType::Integer => format!("integer({value} + 0.5)"),
@@ -248,12 +268,17 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// A communication point, and the outputs between two of them.
+    /// A communication point, and the outputs between two of them. Outputs are read outside of the when-clause: there
+    /// they would also be read in states that the run never comes to.
     fn step(&self, out: &mut String) {
-        let [size, fmu, state, _, begin, steps, point] = &self.own;
+        let Own { step, fmu, state, before, begin, steps, point, size, .. } = &self.own;
+        let first = if self.whole.is_even { 1.0 } else { 0.5 };
         out.push_str("equation\n");
-        out.push_str(&format!("  when time >= {begin} + (pre({steps}) + 1)*{size} then\n"));
+        out.push_str(&format!("  when time >= {begin} + (pre({steps}) + {first:?})*{step} then\n"));
         out.push_str(&format!("    {steps} = pre({steps}) + 1;\n    {point} = time;\n"));
+        out.push_str(&format!(
+            "    {size} = (if pre({steps}) == 0 then {first:?} else 1.0)*{step};\n"
+        ));
         let mut chain = format!("pre({state})");
         for kept in self.parameters.iter().filter(|kept| self.is_passed(kept)) {
             out.push_str(&format!("    {} = {};\n", kept.held, kept.name));
@@ -268,20 +293,23 @@ impl<'a> Writer<'a> {
             chain = set(fmu, kept.variable, &chain, &value);
         }
         out.push_str(&format!("    {state} = doStep({fmu}, {chain}, {size});\n"));
+        out.push_str(&format!("    {before} = pre({state});\n  end when;\n"));
         for kept in &self.outputs {
-            out.push_str(&format!("    {} = {};\n", kept.held, self.got(kept, state)));
-            if kept.variable.ty == ForeignType::Real {
-                let Kept { held, rate, .. } = kept;
-                out.push_str(&format!("    {rate} = ({held} - pre({held}))/{size};\n"));
-            }
-        }
-        out.push_str("  end when;\n");
-        for Kept { variable, name, held, rate } in &self.outputs {
+            let Kept { variable, name, held } = kept;
+            out.push_str(&format!("  {held} = {};\n", self.got(kept, state)));
             let value = match variable.ty {
-                ForeignType::Real => format!("{held} + {rate}*(time - {point})"),
+                ForeignType::Real => {
+                    let last = self.got(kept, before);
+                    format!("{held} + ({held} - {last})/{size}*(time - {point})")
+                }
                 _ => held.clone(),
             };
             out.push_str(&format!("  {name} = {value};\n"));
         }
     }
+}
+
+/// The description of what is kept of a variable.
+fn last(v: &ForeignVariable) -> String {
+    format!("Last value of {}", v.name.replace('"', "'"))
 }
