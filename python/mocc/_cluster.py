@@ -204,7 +204,7 @@ class Fits:
         try:
             path, _, model, table, recordings, folder = self._study
             native = _mocc.calibrate(path, plan, model, table, recordings, folder, False, None, self._folders,
-                                     self._files, None)
+                                     self._files, None, [])
         except SimulationError:
             return None
         residuals = memoryview(native.residuals(b"".join(_eight(x) for x in native.values))).cast("B").cast("d")

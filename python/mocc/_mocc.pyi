@@ -121,6 +121,7 @@ def calibrate(
     folders: _Folders,
     files: _Files,
     spread: Callable[[bytes, list[bytes]], list[bytes | None]] | None,
+    allow_fmu: list[str],
 ) -> Calibration: ...
 def diagnose(
     plan: str,
@@ -133,6 +134,7 @@ def diagnose(
     time_limit: float | None,
     progress: Callable[[str], object] | None,
     spread: Callable[[bytes, list[bytes]], list[bytes | None]] | None,
+    allow_fmu: list[str],
 ) -> tuple[str, str, str, tuple[str, str] | None, list[str]]: ...
 
 class Sweep:

@@ -7,7 +7,7 @@ import json
 import math
 import tomllib
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -208,6 +208,7 @@ def calibrate(
     seed: int = 1,
     executor: Executor | None = None,
     progress: Progress | bool | None = None,
+    allow_fmu: str | PathLike[str] | Sequence[str | PathLike[str]] = (),
     **keys: Any,
 ) -> Calibration:
     """Fits the free parameters of a plan to recordings.
@@ -224,18 +225,22 @@ def calibrate(
     `executor` is any `concurrent.futures.Executor`, whose workers do the fits from these starts, and the runs of the
     recordings and their derivatives; the result is the same.
     `progress=True` shows a bar where tqdm is installed; a function is called with lines of text.
+    `allow_fmu` names FMUs, or folders with FMUs, that a plan file or a model may run: foreign code. One that `model` names
+    here is allowed.
 
     Errors: `RequestError` if the plan or a recording is wrong, such as a missing column or a wrong unit; `ModelError`;
     `SimulationError` if the model cannot be simulated at the start. Ctrl-C raises `KeyboardInterrupt`.
     """
     if starts < 1:
         raise RequestError(f"`starts` is {starts}; it is the number of fits")
+    fmus = _allowed(allow_fmu, plan, keys)
     study = _study(plan, data, table, folder, keys)
     with _told(progress) as tell:
         if starts > 1:
             study = _from_best_start(study, starts, seed, executor, tell)
         with _elsewhere(study, None, executor) as spread:
-            native = _mocc.calibrate(*study, profiles=profiles, progress=tell, folders=[], files=[], spread=spread)
+            native = _mocc.calibrate(*study, profiles=profiles, progress=tell, folders=[], files=[], spread=spread,
+                                     allow_fmu=fmus)
     _warn(native.warnings)
     return Calibration(native)
 
@@ -250,6 +255,7 @@ def diagnose(
     time_limit: float | None = None,
     executor: Executor | None = None,
     progress: Progress | bool | None = None,
+    allow_fmu: str | PathLike[str] | Sequence[str | PathLike[str]] = (),
     **keys: Any,
 ) -> Diagnosis:
     """Finds the physical effects that a model lacks, from recordings.
@@ -259,10 +265,12 @@ def diagnose(
     """
     if time_limit is not None and _number("time_limit", time_limit) < 0:
         raise RequestError(f"`time_limit` is {time_limit} s, which is negative")
+    fmus = _allowed(allow_fmu, plan, keys)
     study = _study(plan, data, table, folder, keys)
     own = None if effects is None else fspath(effects)
     with _told(progress) as tell, _elsewhere(study, own, executor) as spread:
-        found = _mocc.diagnose(*study, effects=own, time_limit=time_limit, progress=tell, spread=spread)
+        found = _mocc.diagnose(*study, effects=own, time_limit=time_limit, progress=tell, spread=spread,
+                               allow_fmu=fmus)
     _warn(found[4])
     return Diagnosis(found)
 
@@ -381,6 +389,15 @@ def _study(plan: Any, data: Mapping[str, Any] | None, table: Any, folder: Any,
             given["data"] = {"table": "table", **given["data"]}
         text = toml(given)
     return path, text, model, rows, recordings, None if folder is None else fspath(folder)
+
+
+def _allowed(allow: Any, plan: Any, keys: dict[str, Any]) -> list[str]:
+    """The FMUs that may run: those that are named in the call."""
+    named = [allow] if isinstance(allow, (str, PathLike)) else list(allow)
+    model = {**(plan if isinstance(plan, Mapping) else {}), **keys}.get("model")
+    if isinstance(model, (str, PathLike)) and fspath(model).lower().endswith(".fmu"):
+        named.append(model)
+    return [fspath(path) for path in named]
 
 
 def _model(plan: dict[str, Any]) -> str | None:

@@ -46,7 +46,8 @@ fn memory(
         (name, NumberTable { names, columns })
     });
     let (recordings, packed) = (recordings.collect(), packed(folders));
-    Arc::new(Memory { plan, model, table, recordings, files: Vec::new(), packed, elsewhere: way })
+    let (files, fmus) = (Vec::new(), Vec::new());
+    Arc::new(Memory { plan, model, table, recordings, files, packed, fmus, elsewhere: way })
 }
 
 /// Other processes, as a Python function has them: of a problem and its tasks, as bytes, it makes the answers, as bytes.
@@ -112,6 +113,11 @@ type Files<'py> = Vec<(PathBuf, Bound<'py, PyBytes>)>;
 fn with_files(memory: Arc<Memory>, files: Files<'_>) -> Arc<Memory> {
     let files = files.into_iter().map(|(path, bytes)| (path, bytes.as_bytes().to_vec()));
     Arc::new(Memory { files: files.collect(), ..Arc::unwrap_or_clone(memory) })
+}
+
+/// The same with FMUs, or folders with FMUs, that the user allows to run.
+fn with_fmus(memory: Arc<Memory>, fmus: Vec<PathBuf>) -> Arc<Memory> {
+    Arc::new(Memory { fmus, ..Arc::unwrap_or_clone(memory) })
 }
 
 /// The files of a study: the model's, the folders of libraries, and tables and recordings that are not in memory.
@@ -282,15 +288,14 @@ pub fn calibrate(
     folders: Folders<'_>,
     files: Files<'_>,
     spread: Option<Py<PyAny>>,
+    allow_fmu: Vec<PathBuf>,
 ) -> PyResult<Calibration> {
     let cancelled = Cancelled::default();
     let spread = Spread::new(spread, &cancelled);
+    let memory = memory(plan_text, model_text, table, recordings, folders, Spread::way(&spread));
     let request = calibration::Request {
         plan,
-        memory: with_files(
-            memory(plan_text, model_text, table, recordings, folders, Spread::way(&spread)),
-            files,
-        ),
+        memory: with_fmus(with_files(memory, files), allow_fmu),
         data: folder,
         modelica_path: std::env::var_os("MODELICAPATH"),
         profiles,
@@ -382,12 +387,15 @@ pub fn diagnose<'py>(
     time_limit: Option<f64>,
     progress: Option<Py<PyAny>>,
     spread: Option<Py<PyAny>>,
+    allow_fmu: Vec<PathBuf>,
 ) -> PyResult<Bound<'py, PyTuple>> {
     let cancelled = Cancelled::default();
     let spread = Spread::new(spread, &cancelled);
+    let way = Spread::way(&spread);
+    let memory = memory(plan_text, model_text, table, recordings, Vec::new(), way);
     let request = search::run::Request {
         plan,
-        memory: memory(plan_text, model_text, table, recordings, Vec::new(), Spread::way(&spread)),
+        memory: with_fmus(memory, allow_fmu),
         data: folder,
         effects,
         modelica_path: std::env::var_os("MODELICAPATH"),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::driver::compile::{CompileError, Session};
+use crate::driver::foreign::is_fmu;
 use crate::io::json::Json;
 
 use super::data::{self, Split};
@@ -162,5 +163,5 @@ impl Evaluation {
 
 /// True for the path of a model rather than of a plan.
 pub fn is_model(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e == "mo" || e == "mol")
+    path.extension().is_some_and(|e| e == "mo" || e == "mol") || is_fmu(path)
 }

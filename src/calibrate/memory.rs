@@ -26,6 +26,8 @@ pub struct Memory {
     pub files: Vec<(PathBuf, Vec<u8>)>,
     /// Folders of libraries and effects.
     pub packed: Packed,
+    /// FMUs, or folders with FMUs, that the user allows to run: foreign code, which a plan may name.
+    pub fmus: Vec<PathBuf>,
     /// Other processes that do the runs.
     pub elsewhere: Way,
 }

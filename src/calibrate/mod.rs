@@ -9,6 +9,7 @@
 pub mod calibrated_model;
 pub mod cause;
 pub mod data;
+mod difference;
 pub mod elsewhere;
 pub mod evaluate;
 pub mod extended_source;

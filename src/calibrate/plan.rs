@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::base::source::Span;
 use crate::driver::compile::Request;
+use crate::driver::surrounded::Surrounded;
 use crate::numeric::time_series::Interpolation;
 
 use super::data::{Data, Split};
@@ -21,6 +22,8 @@ pub struct Plan {
     pub memory: Arc<Memory>,
     /// The model's file.
     pub model: PathBuf,
+    /// The FMU that the model runs, if it was made of one.
+    pub fmu: Option<WholeFmu>,
     /// The model's name, if it is not the last of its file.
     pub name: Option<String>,
     /// Folders of libraries.
@@ -61,6 +64,17 @@ pub struct Plan {
     pub free: Vec<Free>,
     /// Parameters that are free for each recording: it has a value of its own.
     pub each: Vec<Free>,
+}
+
+/// An FMU whose surroundings are the model of a plan. Inside it nothing can be added.
+#[derive(Clone, Debug)]
+pub struct WholeFmu {
+    /// Its file.
+    pub file: PathBuf,
+    /// Its parameters that keep their values during a run.
+    pub fixed: Vec<String>,
+    /// The open FMU.
+    pub open: Arc<Surrounded>,
 }
 
 /// A column of the table that sets a parameter.
@@ -166,6 +180,7 @@ impl Plan {
             folders: self.libraries.clone(),
             modelica_path,
             takes_fmu: true,
+            fmus: self.memory.fmus.clone(),
             packed: self.memory.packed.clone(),
             ..Request::new(Some(self.model.clone()), self.name.clone())
         }

@@ -66,6 +66,7 @@ fn plan(r: &mut Reader<'_>, root: &Section<'_>, path: &Path) -> Plan {
         path: path.to_owned(),
         memory: Arc::default(),
         model: base.join(model),
+        fmu: None,
         name: r.text(root, "name"),
         libraries: libraries.into_iter().map(|f| base.join(f)).collect(),
         fixed: r.settings(root, "fixed"),

@@ -15,7 +15,7 @@ use crate::numeric::least_squares::{NormalEquations, Residuals};
 use crate::runtime::jit::tiering::Execution;
 use crate::runtime::machine::Machine;
 use crate::simulate::failure::Failure;
-use crate::simulate::run::{simulate_to, simulate_with_sensitivities};
+use crate::simulate::run::{simulate_to, simulate_with_known_sensitivities};
 use crate::simulate::sensitivity::Input;
 use crate::simulate::settings::Settings;
 
@@ -34,10 +34,6 @@ use super::unit_check;
 const MAX_STEPS: u64 = 100_000;
 /// Further steps for each row of the recording.
 const MAX_STEPS_PER_ROW: u64 = 100;
-
-/// Displacement of a parameter for central differences, in coordinates of the search: the third root of the
-/// solver's tolerance balances its noise against truncation.
-const DISPLACEMENT: f64 = 1e-2;
 
 /// A signal and its variable.
 #[derive(Clone, Copy, Debug)]
@@ -334,10 +330,35 @@ impl<'a> Problem<'a> {
         self.predict_at(recording, Point { free: x, own: &own })
     }
 
-    fn predict_at(&self, recording: &Recording, at: Point<'_>) -> Result<Vec<Vec<f64>>, Failure> {
+    /// The recorded variables at the instants of a recording, in SI units.
+    pub(super) fn rows_at(&self, recording: &Recording, at: Point<'_>) -> Result<Rows, Failure> {
         let settings = self.settings(recording, &self.taken(recording, at));
         let mut rows = Rows::new(recording.time.clone(), self.program.recorded.len(), 0);
         simulate_to(self.program, &settings, self.sources, &mut rows)?;
+        Ok(rows)
+    }
+
+    /// For each signal the recorded variable through which a parameter acts on it, if it does, and the factor from its
+    /// unit to the noise of the sensor.
+    pub(super) fn channels_of(&self, parameter: &Parameter) -> Vec<(Option<usize>, f64)> {
+        let of = |(k, c): (usize, &Channel)| {
+            let column = match parameter.acts_on {
+                Some((only, _)) if only != k => None,
+                Some((_, column)) => Some(column),
+                None => Some(c.column),
+            };
+            (column, 1.0 / (c.unit.factor * c.sigma))
+        };
+        self.channels.iter().enumerate().map(of).collect()
+    }
+
+    /// The tolerance of the runs.
+    pub(super) fn tolerance(&self) -> f64 {
+        self.settings.tolerance
+    }
+
+    fn predict_at(&self, recording: &Recording, at: Point<'_>) -> Result<Vec<Vec<f64>>, Failure> {
+        let rows = self.rows_at(recording, at)?;
         let of = |c: &Channel| {
             let values =
                 rows.values.chunks_exact(rows.width).map(|row| c.unit.of_si(row[c.column]));
@@ -564,15 +585,20 @@ impl<'a> Problem<'a> {
             moved.iter().flat_map(|t| t.parameter.targets.iter().copied()).collect();
         let width = self.program.recorded.len();
         let mut rows = Rows::new(recording.time.clone(), width, inputs.len());
+        let (program, sources) = (self.program, self.sources);
         let run =
-            simulate_with_sensitivities(self.program, &settings, &inputs, self.sources, &mut rows);
-        match run {
-            Ok(_) => {}
+            simulate_with_known_sensitivities(program, &settings, &inputs, sources, &mut rows);
+        let unknown = match run {
+            Ok(statistics) => {
+                self.differences(recording, at, by, &hidden_parameters(&moved, &statistics.hidden))?
+            }
             Err(failure) if failure.is_without_derivatives() => {
                 return self.each_difference(recording, at, by, take);
             }
             Err(failure) => return Err(failure),
-        }
+        };
+        let channels: Vec<Vec<(Option<usize>, f64)>> =
+            moved.iter().map(|t| self.channels_of(t.parameter)).collect();
         let mut slopes = vec![0.0; self.count_of(by)];
         for k in 0..recording.time.len() {
             let row = &rows.values[k * width..(k + 1) * width];
@@ -583,20 +609,42 @@ impl<'a> Problem<'a> {
                 }
                 let residual = (c.unit.of_si(row[c.column]) - signal[k]) / c.sigma;
                 let mut first = 0;
-                for Taken { parameter: p, value, index, .. } in &moved {
-                    let column = match p.acts_on {
-                        Some((only, _)) if only != channel => None,
-                        Some((_, column)) => Some(column),
-                        None => Some(c.column),
-                    };
+                for (Taken { parameter: p, value, index, .. }, channels) in
+                    moved.iter().zip(&channels)
+                {
+                    let (column, factor) = channels[channel];
                     let sum: f64 = column.map_or(0.0, |column| {
                         let at = column * inputs.len() + first;
                         all[at..at + p.targets.len()].iter().sum()
                     });
                     first += p.targets.len();
-                    slopes[*index] = sum * p.scale.slope(*value) / (c.unit.factor * c.sigma);
+                    let known = sum * p.scale.slope(*value) * factor;
+                    slopes[*index] = unknown.slope(*index, k, channel).unwrap_or(known);
                 }
                 take(residual, &slopes);
+            }
+        }
+        Ok(())
+    }
+
+    /// As `each_slope_at`, by differences alone.
+    fn each_difference(
+        &self,
+        recording: &Recording,
+        at: Point<'_>,
+        by: By,
+        mut take: impl FnMut(f64, &[f64]),
+    ) -> Result<(), Failure> {
+        let here = self.residuals_at(recording, at)?;
+        let all: Vec<usize> = (0..self.count_of(by)).collect();
+        let differences = self.differences(recording, at, by, &all)?;
+        let mut slopes = vec![0.0; all.len()];
+        for k in 0..recording.time.len() {
+            for (c, signal) in here.iter().enumerate().filter(|(_, signal)| !signal[k].is_nan()) {
+                for (index, slope) in slopes.iter_mut().enumerate() {
+                    *slope = differences.slope(index, k, c).unwrap_or(0.0);
+                }
+                take(signal[k], &slopes);
             }
         }
         Ok(())
@@ -609,49 +657,17 @@ impl<'a> Problem<'a> {
             By::Own => self.own.len(),
         }
     }
+}
 
-    /// As `each_slope_at`, by central differences.
-    fn each_difference(
-        &self,
-        recording: &Recording,
-        at: Point<'_>,
-        by: By,
-        mut take: impl FnMut(f64, &[f64]),
-    ) -> Result<(), Failure> {
-        let here = self.residuals_at(recording, at)?;
-        let (mut free, mut own) = (at.free.to_vec(), at.own.to_vec());
-        let count = self.count_of(by);
-        let mut differences = Vec::with_capacity(count);
-        for j in 0..count {
-            if by == By::Free && !self.parameters[j].acts_in(recording) {
-                differences.push((here.clone(), here.clone()));
-                continue;
-            }
-            let mut moved = |distance: f64| {
-                let place = if by == By::Free { &mut free[j] } else { &mut own[j] };
-                let before = *place;
-                *place += distance;
-                let found = self.residuals_at(recording, Point { free: &free, own: &own });
-                let place = if by == By::Free { &mut free[j] } else { &mut own[j] };
-                *place = before;
-                found
-            };
-            differences.push((moved(DISPLACEMENT)?, moved(-DISPLACEMENT)?));
-        }
-        let mut slopes = vec![0.0; count];
-        for k in 0..recording.time.len() {
-            for (c, signal) in here.iter().enumerate() {
-                if signal[k].is_nan() {
-                    continue;
-                }
-                for (slope, (above, below)) in slopes.iter_mut().zip(&differences) {
-                    *slope = (above[c][k] - below[c][k]) / (2.0 * DISPLACEMENT);
-                }
-                take(signal[k], &slopes);
-            }
-        }
-        Ok(())
-    }
+/// The positions of the parameters with an input, of those of all `moved` in order, by which there are no derivatives.
+fn hidden_parameters(moved: &[&Taken<'_>], hidden: &[usize]) -> Vec<usize> {
+    let mut first = 0;
+    let is_hidden = |t: &&&Taken<'_>| {
+        let own = first..first + t.parameter.targets.len();
+        first = own.end;
+        hidden.iter().any(|k| own.contains(k))
+    };
+    moved.iter().filter(is_hidden).map(|t| t.index).collect()
 }
 
 impl Residuals for Problem<'_> {

@@ -6,6 +6,7 @@ use crate::ir::trajectory::{Column, Event};
 use crate::simulate::record::Sink;
 
 /// Collects the rows at the instants of a recording.
+#[derive(Clone)]
 pub struct Rows {
     instants: Arc<[f64]>,
     /// The next instant.

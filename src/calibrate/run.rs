@@ -11,7 +11,7 @@ use crate::base::diag::Problems;
 use crate::base::source::SourceMap;
 use crate::driver::compile::{CompileError, Session};
 use crate::driver::files;
-use crate::driver::foreign::is_fmu;
+use crate::driver::foreign::{is_fmu, not_allowed};
 use crate::ir::program::Program;
 use crate::simulate::failure::Failure;
 
@@ -189,7 +189,18 @@ pub fn read_plan(
     if let Some(folder) = folder {
         plan.folder = folder.to_owned();
     }
+    check_fmu(&plan.model, memory, session)?;
     Ok(plan)
+}
+
+/// A plan does not decide whether foreign code runs.
+pub fn check_fmu(model: &Path, memory: &Memory, session: &mut Session) -> Result<(), CompileError> {
+    // What does not exist is reported where it is read.
+    if !is_fmu(model) || !model.exists() || files::allows_fmu(&memory.fmus, model) {
+        return Ok(());
+    }
+    session.problems.push(not_allowed(model));
+    Err(CompileError::Request)
 }
 
 /// The source of the model's file; an FMU has none.

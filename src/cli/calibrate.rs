@@ -23,9 +23,10 @@ pub fn run(options: &Calibrate) -> Status {
     let folder = options.study.folder("calibration");
     let terminal = Terminal::new(folder.clone());
     let (plan, text) = plan_of(&options.study.plan);
+    let fmus = options.study.allow_fmu.clone();
     let request = Request {
         plan,
-        memory: Arc::new(Memory { plan: text, ..Memory::default() }),
+        memory: Arc::new(Memory { plan: text, fmus, ..Memory::default() }),
         data: options.study.data.clone(),
         modelica_path: modelica_path(),
         profiles: !options.no_profiles,

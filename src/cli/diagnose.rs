@@ -27,9 +27,10 @@ pub fn run(options: &Diagnose) -> Status {
     let limit = options.time_limit.and_then(|s| Duration::try_from_secs_f64(s).ok());
     terminal.deadline = limit.and_then(|limit| started_at.checked_add(limit));
     let (plan, text) = plan_of(&options.study.plan);
+    let fmus = options.study.allow_fmu.clone();
     let request = Request {
         plan,
-        memory: Arc::new(Memory { plan: text, ..Memory::default() }),
+        memory: Arc::new(Memory { plan: text, fmus, ..Memory::default() }),
         data: options.study.data.clone(),
         effects: options.effects.clone(),
         modelica_path: modelica_path(),

@@ -67,6 +67,8 @@ fn request(options: &Evaluate) -> Result<Request, String> {
         }
     };
     let (plan, text) = plan_of(&plan);
-    let memory = Arc::new(Memory { plan: text, ..Memory::default() });
+    // What the command names, the user allows.
+    let fmus = options.allow_fmu.iter().chain(&model).cloned().collect();
+    let memory = Arc::new(Memory { plan: text, fmus, ..Memory::default() });
     Ok(Request { plan, memory, model, data: data.clone(), modelica_path: modelica_path() })
 }

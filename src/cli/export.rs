@@ -1,20 +1,36 @@
 //! `mocc export fmu`: compiles a model and writes it as an FMU.
 
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::args::export::{Export, ExportFmu, Exported, FmuType};
 use super::{Status, explain, print, running, say, style};
 use crate::base::diag::Diagnostic;
 use crate::base::render::render;
 use crate::base::source::{SourceMap, Span};
+use crate::codegen::recording;
 use crate::driver::compile::Session;
 use crate::driver::files::read_library;
+use crate::driver::ports::Exportable;
 use crate::fmu::cause::FmuCause;
 use crate::fmu::description::Version;
 use crate::fmu::export::{Order, export};
 use crate::io::atomic_file::write_file;
+use crate::io::csv;
+use crate::ir::assembly::Assembly;
+use crate::ir::flat::Causality;
+use crate::ir::program::Program;
+use crate::ir::trajectory::{Column, Event, Trajectory};
+use crate::report::raster::png;
+use crate::report::schematic::{draw, picture};
+use crate::simulate::record::Sink;
+use crate::simulate::run::simulate_to;
+use crate::simulate::settings::Settings;
 
+/// The default run in an archive.
+const REFERENCE: &str = "extra/mocc/reference.csv";
+/// Longest time for that run.
+const LONGEST_REFERENCE: Duration = Duration::from_millis(300);
 /// The name of the shared library that runs exported models.
 const RUNTIME: &str = "libmocc_fmu.so";
 
@@ -34,16 +50,19 @@ fn fmu(options: &ExportFmu) -> Status {
     let mut session = Session { is_last: true, ..Session::default() };
     let compiled = session.compile_for_export(&options.model.request());
     say(&session);
-    let (program, causalities) = match compiled {
+    let Exportable { program, causalities, connectors, assembly } = match compiled {
         Ok(compiled) => compiled,
         Err(error) => return error.into(),
     };
-    let extra = if options.with_source { sources(&session.sources) } else { Vec::new() };
+    let mut extra = if options.with_source { sources(&session.sources) } else { Vec::new() };
+    extra.extend(reference(&program, &causalities, &session.sources));
     let order = Order {
         version: if options.fmi == "2" { Version::Two } else { Version::Three },
         exchange: options.kind != FmuType::Cs,
         stepping: options.kind != FmuType::Me,
         runtime: &runtime,
+        connectors: &connectors,
+        icon: icon(&program.blocks.dae.name, &assembly),
         extra,
         with_source: options.with_source,
     };
@@ -80,6 +99,58 @@ fn fmu(options: &ExportFmu) -> Status {
     let status = print(&text);
     std::mem::forget(program);
     status
+}
+
+/// The picture of the model, as PNG and as SVG: its diagram, or its name if it has no components.
+fn icon(name: &str, assembly: &Assembly) -> Option<(Vec<u8>, String)> {
+    let drawn = picture(assembly, 0)
+        .map(|picture| draw::svg(&picture, assembly, &|_| Vec::new(), &|_| String::new()));
+    let svg = drawn.unwrap_or_else(|| draw::named(name.rsplit('.').next().unwrap_or(name)));
+    png(&svg, 1).ok().map(|png| (png, svg))
+}
+
+/// Rows of the default run, while it takes no longer than is worth it.
+struct Reference {
+    rows: Trajectory,
+    begun: Instant,
+    is_late: bool,
+}
+
+impl Sink for Reference {
+    fn begin(&mut self, columns: Vec<Column>) {
+        self.rows.begin(columns);
+    }
+    fn row(&mut self, time: f64, values: &[f64]) {
+        self.rows.row(time, values);
+    }
+    fn event(&mut self, event: Event) {
+        self.rows.event(event);
+    }
+    fn goes_on(&mut self, _: f64) -> bool {
+        self.is_late |= self.begun.elapsed() > LONGEST_REFERENCE;
+        !self.is_late
+    }
+}
+
+/// The default run of the model: its inputs, outputs and states, for the comparison of another tool's run with it. Not
+/// for a model that cannot run by itself, or that takes long.
+fn reference(
+    program: &Program,
+    causalities: &[(String, Causality)],
+    sources: &SourceMap,
+) -> Option<(String, Vec<u8>)> {
+    let states: Vec<&str> =
+        program.blocks.states.iter().map(|s| program.name(s.variable)).collect();
+    let mut program = program.clone();
+    recording::only(&mut program, |name| {
+        states.contains(&name) || causalities.iter().any(|(port, _)| port == name)
+    });
+    let settings = Settings::of(&program.blocks.dae.experiment);
+    let rows = Trajectory::default();
+    let mut sink = Reference { rows, begun: Instant::now(), is_late: false };
+    simulate_to(&program, &settings, sources, &mut sink).ok()?;
+    let text = csv::text_of(&sink.rows).ok().filter(|_| !sink.is_late)?;
+    Some((REFERENCE.to_owned(), text.into_bytes()))
 }
 
 fn refused(diagnostic: &Diagnostic) -> Status {

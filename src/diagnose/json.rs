@@ -57,6 +57,14 @@ pub fn json(outcome: &Outcome, amended_model: Option<&str>, seconds: f64) -> Str
         ("before", quality(&study.data, &diagnosis.before)),
         ("after", quality(&study.data, &diagnosis.after)),
         ("balances", Json::list(outcome.balances.iter().map(balance_json))),
+        (
+            "fmu",
+            study
+                .plan
+                .fmu
+                .as_ref()
+                .map_or(Json::null(), |f| Json::text(f.file.display().to_string())),
+        ),
         ("repairs", Json::list(study.data.repairs.iter().map(|r| Json::text(r.as_str())))),
         ("amended_model", amended_model.map_or(Json::null(), Json::text)),
         ("seconds", Json::number(seconds)),

@@ -48,4 +48,5 @@ pub mod search;
 pub mod shape_parameters;
 pub mod study;
 pub mod summary;
+pub mod surroundings;
 pub mod variation;

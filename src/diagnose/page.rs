@@ -20,6 +20,7 @@ use super::result::{Diagnosis, Verdict, estimates, rmse_of, sentences};
 use super::run::Outcome;
 use super::study::Study;
 use super::summary::{ENDED_EARLY, noise_lines, partial, sentence_case};
+use super::surroundings::INSIDE;
 
 /// Rows of a ranking to show.
 const RANKED: usize = 15;
@@ -41,6 +42,9 @@ pub fn html(outcome: &Outcome) -> String {
     for sentence in sentences(&study.effects, &after.effects) {
         let text = sentence_case(&format!("{}{sentence}", partial(outcome)));
         page.add(&format!("<p>{}</p>\n", escaped(&text)));
+    }
+    if study.plan.fmu.is_some() {
+        page.add(&format!("<p class=\"note\">{}.</p>\n", escaped(&sentence_case(INSIDE))));
     }
     for line in noise_lines(outcome) {
         page.add(&format!("<p>{}.</p>\n", escaped(&sentence_case(&line))));

@@ -28,6 +28,7 @@ use super::result::{Diagnosis, Verdict};
 use super::rivals::{Sensor, sensors};
 use super::search::diagnose;
 use super::study::{DiagnosisError, Study};
+use super::surroundings::surround;
 
 /// What to diagnose, and how.
 #[derive(Clone, Debug)]
@@ -147,10 +148,9 @@ pub fn run(
 /// Reads and checks everything before the search: the study, and the unknown inflows for balances.
 fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effect>), RunError> {
     let folder = request.data.as_deref();
-    let (plan, data) = inputs(&request.plan, folder, &request.memory, session)?;
+    let (mut plan, data) = inputs(&request.plan, folder, &request.memory, session)?;
+    surround(session, &mut plan, &data)?;
     let mut compiled = plan.request(request.modelica_path.clone());
-    // Effects are attached to the connectors of a model.
-    compiled.takes_fmu = false;
     compiled.folders.extend(request.effects.clone());
     let own = match &request.effects {
         Some(folder) => of_folder(session, &compiled, folder)?,

@@ -7,6 +7,7 @@ use super::hypothesis::groups;
 use super::next_text::lines;
 use super::result::{Verdict, estimates, sentences};
 use super::run::Outcome;
+use super::surroundings::INSIDE;
 
 /// The summary for the terminal.
 pub fn summary(outcome: &Outcome, seconds: f64) -> String {
@@ -36,6 +37,9 @@ pub fn summary(outcome: &Outcome, seconds: f64) -> String {
             (false, true) => "",
         };
         out.push_str(&format!("{}{remark}\n", line.trim_end()));
+    }
+    if study.plan.fmu.is_some() {
+        out.push_str(&format!("  {INSIDE}\n"));
     }
     out.push_str("  reduced chi-square       before      after\n");
     let pairs = study.data.splits().map(|s| (s.name(), before.chi2(s), after.chi2(s)));

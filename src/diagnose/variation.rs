@@ -33,6 +33,9 @@ pub struct VariationTargets {
     pub variables: Vec<String>,
     /// Parameters that differ between the recordings, among them the number of the recording.
     pub conditions: Vec<String>,
+    /// Parameters that keep their values during a run, so that they vary from one recording to the next only: those of an
+    /// FMU that are not tunable.
+    pub fixed: FastSet<String>,
 }
 
 impl VariationTargets {
@@ -40,19 +43,30 @@ impl VariationTargets {
     pub fn new(flat: &FlatModel, plan: &Plan, data: &Data) -> VariationTargets {
         let (parameters, single) = parameters(flat, plan);
         let (variables, conditions) = (variables(flat, plan), conditions(flat, plan, data));
-        VariationTargets { parameters, single, variables, conditions }
+        let fixed = plan.fmu.iter().flat_map(|fmu| fmu.fixed.iter().cloned()).collect();
+        VariationTargets { parameters, single, variables, conditions, fixed }
     }
 
     /// Every set of parameters with every variable and condition, for an effect whose input is named `input`.
     pub fn places(&self, input: &str) -> Vec<Place> {
         let over: Vec<&String> = self.variables.iter().chain(&self.conditions).collect();
-        combinations(&self.parameters, &over, input)
+        let mut all = combinations(&self.parameters, &over, input);
+        all.retain(|place| self.can_vary(place));
+        all
     }
 
     /// The same for a free curve: parameters one by one, with every variable.
     pub fn curve_places(&self, input: &str) -> Vec<Place> {
         let over: Vec<&String> = self.variables.iter().collect();
-        combinations(&self.parameters[..self.single], &over, input)
+        let mut all = combinations(&self.parameters[..self.single], &over, input);
+        all.retain(|place| self.can_vary(place));
+        all
+    }
+
+    /// Whether the parameters of a place may follow its variable.
+    fn can_vary(&self, place: &Place) -> bool {
+        let during_a_run = place.binds.iter().any(|(_, over)| !self.conditions.contains(over));
+        !(during_a_run && place.at.iter().any(|parameter| self.fixed.contains(parameter)))
     }
 }
 

@@ -147,12 +147,15 @@ impl AsNamed {
     fn fmu(&self, path: &Path) -> Result<PathBuf, String> {
         let beside = self.own.as_ref().map(|own| own.join(path)).filter(|file| file.is_file());
         let file = beside.unwrap_or_else(|| path.to_path_buf());
-        let full = file.canonicalize().map_err(|e| e.to_string())?;
-        let is_allowed = |allowed: &PathBuf| {
-            allowed.canonicalize().is_ok_and(|allowed| full.starts_with(allowed))
-        };
-        if self.fmus.iter().any(is_allowed) { Ok(file) } else { Err(FOREIGN.to_owned()) }
+        file.canonicalize().map_err(|e| e.to_string())?;
+        if allows_fmu(&self.fmus, &file) { Ok(file) } else { Err(FOREIGN.to_owned()) }
     }
+}
+
+/// Whether FMUs that the user allows, or folders with such, have this one.
+pub fn allows_fmu(allowed: &[PathBuf], file: &Path) -> bool {
+    let Ok(file) = file.canonicalize() else { return false };
+    allowed.iter().any(|a| a.canonicalize().is_ok_and(|a| file.starts_with(a)))
 }
 
 impl Folder for AsNamed {

@@ -123,6 +123,11 @@ fn plain(name: &str) -> String {
     name.chars().filter(|c| !c.is_whitespace()).collect()
 }
 
+/// The refusal of an FMU that a file names and the command does not.
+pub fn not_allowed(file: &Path) -> Diagnostic {
+    Diagnostic::new(FmuCause::NotAllowed { path: file.display().to_string() }, Span::NONE)
+}
+
 /// The refusal of a command that cannot do with an FMU.
 pub fn needs_equations(file: &Path, what: &str) -> Diagnostic {
     let cause =

@@ -21,5 +21,6 @@ pub mod quantity;
 pub mod replacements;
 pub mod stamps;
 mod subject;
+pub mod surrounded;
 mod target;
 mod unit_checks;

@@ -5,7 +5,9 @@ use super::compile::{CompileError, Request, Session};
 
 use crate::base::diag::{Diagnostic, did_you_mean};
 use crate::base::source::Span;
-use crate::ir::expr::{Const, Type};
+use crate::fmu::terminals::Connector;
+use crate::ir::assembly::{Assembly, Port};
+use crate::ir::expr::{Const, Type, VarId};
 use crate::ir::flat::{Causality, FlatModel, Variability, Variable};
 use crate::ir::program::Program;
 
@@ -16,6 +18,34 @@ pub struct Ports {
     pub inputs: Vec<String>,
     /// Names of the outputs.
     pub outputs: Vec<String>,
+}
+
+/// A model for another tool.
+pub struct Exportable {
+    /// Its program.
+    pub program: Program,
+    /// The causality of its top-level variables.
+    pub causalities: Vec<(String, Causality)>,
+    /// Its own connectors.
+    pub connectors: Vec<Connector>,
+    /// Its components, for a picture.
+    pub assembly: Assembly,
+}
+
+/// The connectors of the model itself, with their variables.
+fn connectors(flat: &FlatModel, assembly: &Assembly) -> Vec<Connector> {
+    let ports = assembly.parts.first().map_or(&[][..], |model| &model.ports);
+    let of = |port: &Port| {
+        let prefix = format!("{}.", port.name);
+        let own = flat
+            .variables
+            .enumerate()
+            .filter(|(_, v)| v.name.starts_with(&prefix) && v.variability > Variability::Parameter);
+        let is_flow = |k: VarId| flat.ownership.is_flow.get(k.0 as usize) == Some(&true);
+        let variables = own.map(|(k, v)| (v.name.clone(), is_flow(k))).collect();
+        Connector { name: port.name.clone(), class: port.class.clone(), variables }
+    };
+    ports.iter().map(of).filter(|c| !c.variables.is_empty()).collect()
 }
 
 impl Session {
@@ -38,16 +68,13 @@ impl Session {
         Ok((self.compile_flat(flat, request.form)?, ports))
     }
 
-    /// The program of a request, all of whose free inputs may be set while it runs, and the causality of its
-    /// top-level variables.
-    pub fn compile_for_export(
-        &mut self,
-        request: &Request,
-    ) -> Result<(Program, Vec<(String, Causality)>), CompileError> {
-        let mut flat = self.flatten(request)?;
+    /// A model for another tool: its program, all of whose free inputs may be set while it runs.
+    pub fn compile_for_export(&mut self, request: &Request) -> Result<Exportable, CompileError> {
+        let (mut flat, assembly) = self.flatten_with_assembly(request)?;
         let known = |v: &Variable| v.causality.map(|causality| (v.name.clone(), causality));
         let is_free = |v: &Variable| v.causality != Some(Causality::Input) || v.binding.is_none();
         let causalities = flat.variables.iter().filter(|v| is_free(v)).filter_map(known).collect();
+        let connectors = connectors(&flat, &assembly);
         let mut driven = Vec::new();
         for k in flat.variables.ids() {
             let v = &flat.variables[k];
@@ -64,7 +91,8 @@ impl Session {
             }
         }
         self.drive(&mut flat, &driven)?;
-        Ok((self.compile_flat(flat, request.form)?, causalities))
+        let program = self.compile_flat(flat, request.form)?;
+        Ok(Exportable { program, causalities, connectors, assembly })
     }
 
     /// Marks the inputs that recordings drive; each must exist and have no value of its own.

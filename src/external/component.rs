@@ -22,6 +22,8 @@ pub trait Component: Debug + Send + Sync {
     fn step(&self, state: f64, size: f64) -> f64;
     /// A value in a state; not a number if the foreign model fails.
     fn get(&self, state: f64, value: usize) -> f64;
+    /// The run on this thread has ended.
+    fn release(&self);
     /// The last failure on this thread, once.
     fn take_failure(&self) -> Option<Box<Diagnostic>>;
 }
@@ -71,6 +73,14 @@ impl External for ComponentCall {
 
     fn take_failure(&self) -> Option<Box<Diagnostic>> {
         self.component.take_failure()
+    }
+
+    fn release(&self) {
+        self.component.release();
+    }
+
+    fn hides_derivatives(&self) -> bool {
+        true
     }
 
     fn is_same(&self, other: &dyn External) -> bool {

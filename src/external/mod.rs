@@ -40,6 +40,13 @@ pub trait External: Debug + Send + Sync {
     fn slope(&self, _argument: usize, _args: &[f64]) -> f64 {
         0.0
     }
+    /// A run on this thread has ended: what the function keeps for it is not needed any more.
+    fn release(&self) {}
+    /// True if its value follows its arguments, but nothing here can differentiate it: what it computes lies outside of
+    /// the program.
+    fn hides_derivatives(&self) -> bool {
+        false
+    }
     /// The array that it indexes, and whether its elements are Integers, if it is an array access.
     fn elements(&self) -> Option<(&[f64], bool)> {
         None

@@ -76,7 +76,7 @@ causes! {
         /// A command needs the equations of a model.
         error MO1317 NeedsEquations { path: String, what: String }
             => ("`{path}` is an FMU, and {what}"),
-            help("`mocc simulate`, `report`, `sweep`, `calibrate` and `evaluate` take FMUs");
+            help("`mocc simulate`, `report` and `sweep` take FMUs, and so do the plans of `calibrate`, `diagnose` and `evaluate`");
         /// The child process of an FMU cannot be started.
         error MO1318 NoProcess { path: String, why: String }
             => ("cannot start a process for `{path}`: {why}"),
@@ -89,5 +89,9 @@ causes! {
         error MO1320 ComponentFailed { path: String, what: String }
             => ("`{path}`, a component of the model, failed: {what}"),
             help("try other parameters or inputs, or another `communicationStep`");
+        /// A file that is not on the command line names an FMU.
+        error MO1321 NotAllowed { path: String }
+            => ("the plan names the FMU `{path}`, which is foreign code: it can do whatever you can do"),
+            help("if you trust it, allow it with `--allow-fmu FILE`");
     }
 }

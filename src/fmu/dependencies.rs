@@ -39,6 +39,13 @@ impl Dependencies {
         traced
     }
 
+    /// Traces the knowns, slots, through the parameters.
+    pub fn trace_parameters(program: &Program, knowns: &[Slot]) -> Self {
+        let mut traced = Dependencies::from(program, knowns);
+        traced.pass(program, &program.tapes.parameters);
+        traced
+    }
+
     fn pass_continuous(&mut self, program: &Program) {
         let tapes = &program.tapes;
         for tape in [&tapes.rhs, &tapes.roots, &tapes.outputs] {

@@ -7,7 +7,7 @@
 //! negative beyond a small margin on the other side. So it is never zero at the end of an event, and an
 //! importer that looks for changes of sign sees each change of a relation once.
 
-use crate::ir::expr::Binary;
+use crate::ir::expr::{Binary, VarId};
 use crate::ir::flat::AssertionLevel;
 use crate::ir::program::{Program, RelationTrigger, Slot};
 use crate::runtime::input_signals::InputSignals;
@@ -147,6 +147,15 @@ impl<'p> Exchange<'p> {
     pub fn set_input(&mut self, slot: Slot, value: f64) {
         self.system.machine.set(slot, value);
         self.evaluated = Evaluated::Nothing;
+    }
+
+    /// Changes a parameter, and those that are computed from it.
+    pub fn set_parameter(&mut self, v: VarId, value: f64) -> Result<(), Failure> {
+        let machine = &mut self.system.machine;
+        machine.set_parameter(v, value);
+        let computed = machine.run(&self.program.tapes.parameters);
+        self.evaluated = Evaluated::Nothing;
+        computed.map_err(|fault| of_fault(&self.system.machine, fault, self.t))
     }
 
     /// The nominal values of the states.

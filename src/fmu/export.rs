@@ -19,6 +19,10 @@ use super::disclosure::disclosed;
 use super::exchange::count_indicators;
 use super::interface::{FIRST_DERIVATIVE, Initial, Role, Scalar, Varies, reference, scalars};
 use super::package::{FILE, token_of, write};
+use super::terminals::{self, Connector};
+
+/// The folder of terminals and icons in FMI 3.
+const ICONS: &str = "terminalsAndIcons";
 
 /// What to make.
 pub struct Order<'a> {
@@ -30,6 +34,10 @@ pub struct Order<'a> {
     pub stepping: bool,
     /// The shared library.
     pub runtime: &'a [u8],
+    /// The connectors of the model.
+    pub connectors: &'a [Connector],
+    /// Its picture, as PNG and as SVG.
+    pub icon: Option<(Vec<u8>, String)>,
     /// Further files: their names in the archive, and contents.
     pub extra: Vec<(String, Vec<u8>)>,
     /// Messages may name the operands of relations.
@@ -94,6 +102,17 @@ pub fn export(
         (format!("binaries/{platform}/{identifier}.so"), order.runtime),
         (format!("resources/{FILE}"), &package),
     ];
+    let terminals = terminals::text(order.connectors, &all);
+    if let Some((png, svg)) = &order.icon {
+        match order.version {
+            Version::Two => files.push(("model.png".to_owned(), png)),
+            Version::Three => files.extend([
+                (format!("{ICONS}/terminalsAndIcons.xml"), terminals.as_bytes()),
+                (format!("{ICONS}/icon.png"), &png[..]),
+                (format!("{ICONS}/icon.svg"), svg.as_bytes()),
+            ]),
+        }
+    }
     files.extend(order.extra.iter().map(|(name, content)| (name.clone(), &content[..])));
     let packed = pack(&files).map_err(|why| {
         Diagnostic::new(FmuCause::FileOfFmu { path: "the archive".to_owned(), why }, Span::NONE)

@@ -3,6 +3,7 @@
 //! In: a program, and the causality of its top-level variables. Out: one [`Scalar`] for each variable, with its
 //! value reference, causality, variability, start value and aliases.
 
+use super::tunable::tunable;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::name::string_of_id;
 use crate::ir::dae::{Variable, VariableKind};
@@ -34,6 +35,7 @@ pub enum Role {
 pub enum Varies {
     Constant,
     Fixed,
+    Tunable,
     Discrete,
     Continuous,
 }
@@ -117,6 +119,7 @@ pub fn scalars(program: &Program, causalities: &[(String, Causality)]) -> Vec<Sc
         states: program.blocks.states.iter().map(|s| s.variable).collect(),
         eliminated: dae.eliminated.iter().copied().collect(),
         values: dae.parameters.iter().copied().collect(),
+        tunable: tunable(program),
     };
     let derivative_names: FastSet<String> =
         program.blocks.states.iter().map(|s| derivative_name(program, s.variable)).collect();
@@ -198,6 +201,7 @@ struct Builder<'p> {
     states: FastSet<VarId>,
     eliminated: FastMap<VarId, ExprId>,
     values: FastMap<VarId, ExprId>,
+    tunable: FastSet<VarId>,
 }
 
 impl Builder<'_> {
@@ -284,9 +288,11 @@ impl Builder<'_> {
                     return (role, Varies::Constant, Some(Initial::Exact));
                 }
                 let value = self.values.get(&v).and_then(|e| dae.graph.as_const(*e));
+                let varies =
+                    if self.tunable.contains(&v) { Varies::Tunable } else { Varies::Fixed };
                 match value {
-                    Some(_) => (Role::Parameter, Varies::Fixed, Some(Initial::Exact)),
-                    None => (Role::CalculatedParameter, Varies::Fixed, Some(Initial::Calculated)),
+                    Some(_) => (Role::Parameter, varies, Some(Initial::Exact)),
+                    None => (Role::CalculatedParameter, varies, Some(Initial::Calculated)),
                 }
             }
             VariableKind::InitialParameter => {

@@ -17,3 +17,5 @@ pub mod instance;
 pub mod interface;
 pub mod package;
 pub mod program_wire;
+pub mod terminals;
+pub mod tunable;

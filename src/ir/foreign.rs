@@ -52,6 +52,8 @@ pub struct ForeignVariable {
     pub start: Option<f64>,
     /// The start value may be set before a run.
     pub may_be_set: bool,
+    /// A parameter that may change while the model runs.
+    pub is_tunable: bool,
     /// Its unit; empty if it has none.
     pub unit: String,
     /// The unit in which it should be shown; may be empty.
@@ -130,6 +132,8 @@ pub trait ForeignInstance {
     ) -> Result<AfterStep, ForeignFault>;
     /// Ends the instance in good order.
     fn end(&mut self);
+    /// Takes it back to where it was before its initialization.
+    fn renew(&mut self) -> Result<(), ForeignFault>;
 }
 
 /// A point of evaluation.

@@ -84,6 +84,8 @@ pub struct Statistics {
     pub extrema: Vec<Option<f64>>,
     /// The time of each, s.
     pub extremum_times: Vec<f64>,
+    /// The inputs by which a differentiated run has no derivatives, by position: they act on an FMU in the model.
+    pub hidden: Vec<usize>,
 }
 
 /// A finished run.
@@ -118,8 +120,27 @@ pub fn simulate_to(
 }
 
 /// As [`simulate_to`], with the derivatives of each row with respect to `inputs`
-/// ([`Sink::slopes`]). They are exact across events and during sliding.
+/// ([`Sink::slopes`]). They are exact across events and during sliding. Fails if an input acts on an FMU in the model,
+/// through which derivatives cannot be followed.
 pub fn simulate_with_sensitivities(
+    program: &Program,
+    settings: &Settings,
+    inputs: &[Input],
+    sources: &SourceMap,
+    sink: &mut dyn Sink,
+) -> Result<Statistics, Failure> {
+    let statistics = simulate_with_known_sensitivities(program, settings, inputs, sources, sink)?;
+    if statistics.hidden.is_empty() {
+        return Ok(statistics);
+    }
+    let why = "a parameter acts on an FMU in the model";
+    let cause = RunCause::NoSensitivities { time: settings.start, why };
+    Err(Failure::numerics(settings.start, Diagnostic::new(cause, Span::NONE)))
+}
+
+/// As [`simulate_with_sensitivities`], but [`Statistics::hidden`] lists the inputs by which the derivatives of the rows
+/// mean nothing.
+pub fn simulate_with_known_sensitivities(
     program: &Program,
     settings: &Settings,
     inputs: &[Input],
@@ -167,6 +188,7 @@ fn run_to(
     let begun = Simulation::begin(program, settings, inputs, sources, sink);
     let mut simulation = begun.map_err(|failure| with_external(program, failure))?;
     let outcome = simulation.run().map_err(|failure| with_external(program, failure));
+    program.externals().all().iter().for_each(|f| f.release());
     simulation.recorder.flush(simulation.sink);
     simulation.sink.end();
     outcome?;
@@ -176,6 +198,7 @@ fn run_to(
     statistics.method = simulation.stepper.describe(statistics.method);
     statistics.extrema = simulation.extrema.found();
     statistics.extremum_times = simulation.extrema.times();
+    statistics.hidden = simulation.sensitivity.as_ref().map_or_else(Vec::new, |s| s.hidden());
     statistics.elapsed = started.elapsed();
     Ok(statistics)
 }

@@ -9,6 +9,7 @@ use std::sync::LazyLock;
 use crate::base::diag::Diagnostic;
 use crate::base::source::SourceMap;
 use crate::base::wire::wire_struct;
+use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Slot};
 use crate::ir::trajectory::{Column, Event};
 use crate::runtime::delay::DelayBuffers;
@@ -190,6 +191,18 @@ impl<'p> Stepping<'p> {
         self.simulation.system.machine.set(slot, value);
     }
 
+    /// Changes a parameter at the communication point, and those that are computed from it;
+    /// [`Stepping::execute_event`] must follow.
+    pub fn set_parameter(&mut self, v: VarId, value: f64) -> Result<(), Failure> {
+        // The integrator may be ahead, where the parameter has its last value.
+        let here = self.save()?;
+        self.restore(&here)?;
+        let machine = &mut self.simulation.system.machine;
+        machine.set_parameter(v, value);
+        let computed = machine.run(&machine.program.tapes.parameters);
+        computed.map_err(|fault| of_fault(&self.simulation.system.machine, fault, self.now))
+    }
+
     /// The next time event, s; infinity if there is none.
     pub fn next_time_event(&self) -> f64 {
         self.simulation.clocks.next_instant(&self.simulation.system.machine, self.now)
@@ -242,6 +255,10 @@ impl<'p> Stepping<'p> {
         simulation.y[..n].copy_from_slice(&saved.y);
         simulation.ended = false;
         simulation.accumulation = None;
+        // Rows before this point are those of another run.
+        while simulation.recorder.due(saved.t, true).is_some() {
+            simulation.recorder.advance();
+        }
         self.pending = None;
         self.now = saved.t;
         let (t, y) = (saved.t, simulation.y.clone());

@@ -52,6 +52,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("MO1318", "needs an FMU, whose bytes are not text"),
     ("MO1319", "needs an FMU, whose bytes are not text"),
     ("MO1320", "needs an FMU, whose bytes are not text"),
+    ("MO1321", "its repair needs an FMU, whose bytes are not text"),
     ("MO1273", "the parser rejects every expression that is not a call"),
 ];
 

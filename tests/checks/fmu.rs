@@ -2,9 +2,10 @@
 //! and the archive are tested by `tests/fmu/check.py` with FMPy.
 
 use mocc::driver::compile::{Request, Session};
+use mocc::driver::ports::Exportable;
 use mocc::fmu::disclosure::disclosed;
 use mocc::fmu::instance::{Instance, Kind, Saved};
-use mocc::fmu::interface::{FIRST_DERIVATIVE, reference, scalars};
+use mocc::fmu::interface::{FIRST_DERIVATIVE, Varies, reference, scalars};
 use mocc::fmu::package::{self, PackageError};
 use mocc::ir::flat::Causality;
 use mocc::ir::program::Program;
@@ -20,7 +21,8 @@ fn exported(text: &str) -> (Program, Program, Vec<(String, Causality)>) {
         ..Request::default()
     };
     let mut session = Session::default();
-    let (program, causalities) = session.compile_for_export(&request).expect("compiles");
+    let Exportable { program, causalities, .. } =
+        session.compile_for_export(&request).expect("compiles");
     let bytes = package::write(&disclosed(&program, false), "token");
     let received = package::read(&bytes, "token").expect("reads");
     (program, received, causalities)
@@ -180,6 +182,79 @@ fn inputs_and_saved_states() {
         "{expected:?} {again:?}"
     );
     assert!(Saved::from_bytes(&bytes[..bytes.len() / 2]).is_err());
+}
+
+/// A state that is restored in a new instance does not lead the run through the rows before it, where the last step
+/// says nothing: here it would pass through negative values.
+#[test]
+fn a_state_goes_on_in_a_new_instance() {
+    let text = "model Growth
+  Real x(start = 1e-3, fixed = true);
+  Real y;
+equation
+  der(x) = 20*x;
+  y = log(x);
+  annotation(experiment(StopTime = 1, Interval = 0.01));
+end Growth;";
+    let (_, program, _) = exported(text);
+    let start = || {
+        let mut model = Instance::new(&program, Kind::Stepping { events: false });
+        model.set_up(Some(1e-9), 0.0, Some(1.0)).expect("a run");
+        model.enter_initialization().expect("initialization");
+        model.exit_initialization().expect("initialized");
+        model
+    };
+    let mut model = start();
+    model.step(0.0, 0.5).expect("a step");
+    let state = model.save().expect("a state");
+    let mut other = start();
+    other.restore(&state).expect("restored");
+    other.step(0.5, 0.25).expect("a step");
+    let y = other.get(value_reference(&program, "y")).expect("a value");
+    assert!((y - (1e-3_f64.ln() + 15.0)).abs() < 1e-6, "{y}");
+}
+
+/// `x` decays with one time constant, and from the change of the parameter on with the other; also without inputs, where
+/// the integrator is ahead of the communication points.
+#[test]
+fn parameters_are_tuned_while_the_model_runs() {
+    let text = "model Decay
+  parameter Real tau = 0.5;
+  parameter Real rate = 1/tau;
+  parameter Real period = 0.3;
+  Real x(start = 1, fixed = true);
+  Integer n(start = 0, fixed = true);
+equation
+  der(x) = -rate*x;
+  when sample(period, period) then
+    n = pre(n) + 1;
+  end when;
+  annotation(experiment(StopTime = 1));
+end Decay;";
+    let (own, program, causalities) = exported(text);
+    let all = scalars(&own, &causalities);
+    let varies = |name: &str| all.iter().find(|s| s.name == name).map(|s| s.varies);
+    assert_eq!(varies("tau"), Some(Varies::Tunable));
+    assert_eq!(varies("rate"), Some(Varies::Tunable));
+    assert_eq!(varies("period"), Some(Varies::Fixed), "its ticks are planned");
+    let [tau, x, period] = ["tau", "x", "period"].map(|name| value_reference(&program, name));
+    let mut model = Instance::new(&program, Kind::Stepping { events: false });
+    model.set_up(Some(1e-9), 0.0, Some(1.0)).expect("a run");
+    model.enter_initialization().expect("initialization");
+    model.exit_initialization().expect("initialized");
+    model.step(0.0, 0.5).expect("a step");
+    model.set(tau, 0.1).expect("tunable");
+    assert!(model.set(period, 0.1).is_err());
+    model.step(0.5, 0.25).expect("a step");
+    let value = model.get(x).expect("a value");
+    let expected = (-1.0_f64 - 2.5).exp();
+    assert!((value - expected).abs() < 1e-7, "{value} instead of {expected}");
+    let mut model = Instance::new(&program, Kind::Exchange);
+    model.enter_initialization().expect("initialization");
+    model.exit_initialization().expect("initialized");
+    model.set(tau, 0.25).expect("tunable");
+    model.update().expect("an event");
+    assert_eq!(model.get(FIRST_DERIVATIVE).expect("a derivative"), -4.0);
 }
 
 /// `der(x) = (u^2 - x)/tau` by `x` and by `u`.

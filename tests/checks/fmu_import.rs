@@ -9,6 +9,7 @@ use std::sync::Arc;
 use mocc::base::diag::Diagnostic;
 use mocc::base::source::Span;
 use mocc::driver::compile::{Request, Session};
+use mocc::driver::ports::Exportable;
 use mocc::fmu::archive::pack;
 use mocc::fmu::cause::FmuCause;
 use mocc::fmu::disclosure::disclosed;
@@ -182,6 +183,10 @@ impl ForeignInstance for Here {
         Ok(AfterStep { reached, ends, ..AfterStep::default() })
     }
     fn end(&mut self) {}
+    fn renew(&mut self) -> Result<(), ForeignFault> {
+        self.instance.reset();
+        Ok(())
+    }
 }
 
 /// The program that stands for a model as an FMU.
@@ -191,7 +196,8 @@ fn imported(text: &str, steps_itself: bool) -> Program {
         text: Some(text.to_owned()),
         ..Request::default()
     };
-    let (own, causalities) = Session::default().compile_for_export(&request).expect("compiles");
+    let made = Session::default().compile_for_export(&request).expect("compiles");
+    let Exportable { program: own, causalities, .. } = made;
     let bytes = package::write(&disclosed(&own, false), "token");
     let program = package::read(&bytes, "token").expect("reads");
     let all = scalars(&own, &causalities);
@@ -213,6 +219,7 @@ fn imported(text: &str, steps_itself: bool) -> Program {
             Some(Start::Number(x)) => Some(x),
             _ => None,
         },
+        is_tunable: false,
         may_be_set: matches!(s.role, Role::Parameter | Role::Input),
         unit: String::new(),
         display_unit: String::new(),

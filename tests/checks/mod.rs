@@ -21,6 +21,7 @@ mod figures;
 mod format;
 mod fmu;
 mod fmu_import;
+mod fmu_plan;
 mod friction;
 mod fuzz;
 mod implicit;

@@ -47,6 +47,9 @@ pub struct Study {
     /// Folder of the recordings [default: the plan's].
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
+    /// FMU, or folder with FMUs, that the plan or its model may run: foreign code; repeatable.
+    #[arg(long, value_name = "FILE")]
+    pub allow_fmu: Vec<PathBuf>,
     /// Folder for the results [default: PLAN-calibration or PLAN-diagnosis].
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -122,6 +125,9 @@ pub struct Evaluate {
     /// Folder of the recordings [default: the plan's].
     #[arg(long, value_name = "DIR")]
     pub data: Option<PathBuf>,
+    /// FMU, or folder with FMUs, that the plan or its model may run: foreign code; repeatable.
+    #[arg(long, value_name = "FILE")]
+    pub allow_fmu: Vec<PathBuf>,
     /// Write the result as JSON; `-` prints it in place of the text.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

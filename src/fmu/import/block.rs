@@ -16,7 +16,7 @@ const STEPS: f64 = 500.0;
 const PITCH: i64 = 40;
 
 /// The functions that the runtime computes; `FMU` is an external object.
-const FUNCTIONS: &str = r#"protected
+pub(super) const FUNCTIONS: &str = r#"protected
   class FMU "The unpacked FMU"
     extends ExternalObject;
     function constructor
@@ -173,19 +173,19 @@ fn step_of(interface: &ForeignInterface) -> f64 {
     step.or(of_span).filter(|step| *step > 0.0).unwrap_or(STEP)
 }
 
-fn set(fmu: &str, v: &ForeignVariable, before: &str, value: &str) -> String {
+pub(super) fn set(fmu: &str, v: &ForeignVariable, before: &str, value: &str) -> String {
     format!("setValue({fmu}, {}, {before}, {value})", quoted(&v.name))
 }
 
 /// A value as a Real.
-fn number(ty: ForeignType, value: &str) -> String {
+pub(super) fn number(ty: ForeignType, value: &str) -> String {
     match ty {
         ForeignType::Boolean => format!("(if {value} then 1.0 else 0.0)"),
         _ => value.to_owned(),
     }
 }
 
-fn type_name(ty: ForeignType) -> &'static str {
+pub(super) fn type_name(ty: ForeignType) -> &'static str {
     match ty {
         ForeignType::Real => "Real",
         ForeignType::Integer => "Integer",
@@ -195,6 +195,12 @@ fn type_name(ty: ForeignType) -> &'static str {
 
 /// Units, and the bounds of parameters.
 fn attributes(v: &ForeignVariable, with_bounds: bool) -> String {
+    let list = attribute_list(v, with_bounds);
+    if list.is_empty() { String::new() } else { format!("({})", list.join(", ")) }
+}
+
+/// The same one by one.
+pub(super) fn attribute_list(v: &ForeignVariable, with_bounds: bool) -> Vec<String> {
     let mut list = Vec::new();
     if v.ty == ForeignType::Real {
         for (key, text) in [("unit", &v.unit), ("displayUnit", &v.display_unit)] {
@@ -208,5 +214,5 @@ fn attributes(v: &ForeignVariable, with_bounds: bool) -> String {
             list.extend(x.map(|x| format!("{key}={}", literal(v.ty, x))));
         }
     }
-    if list.is_empty() { String::new() } else { format!("({})", list.join(", ")) }
+    list
 }

@@ -11,13 +11,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::model::{self, Fmu, Integrating};
 use crate::base::diag::Diagnostic;
-use crate::base::index::FastMap;
+use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
 use crate::external::component::Component;
 use crate::fmu::cause::FmuCause;
 use crate::ir::foreign::{ForeignFault, ForeignInstance, ForeignModel, ForeignRole};
 
-/// Runs whose instances are kept; those of the oldest are ended.
+/// Runs whose instances are kept if nobody says that they have ended; those of the oldest are ended.
 const MOST_RUNS: usize = 64;
 /// States of a run whose values are kept.
 const KEPT_STATES: usize = 8;
@@ -47,12 +47,32 @@ struct State {
 }
 
 /// The states of all instances.
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Store {
     states: FastMap<u64, State>,
     known: FastMap<(u64, Message), u64>,
     last: u64,
-    runs: VecDeque<(u64, Arc<Mutex<Live>>)>,
+    runs: VecDeque<ThreadRun>,
+}
+
+/// A run on a thread. Runs that were told the same are different ones on different threads, which are not at the same
+/// state.
+#[derive(Debug)]
+struct ThreadRun {
+    begin: u64,
+    thread: usize,
+    live: Arc<Mutex<Live>>,
+}
+
+/// A number that differs between threads that run at the same time.
+fn thread_number() -> usize {
+    FAILURE.with(|own| std::ptr::from_ref(own) as usize)
+}
+
+impl std::fmt::Debug for Store {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} states of {} runs", self.states.len(), self.runs.len())
+    }
 }
 
 /// The instance of a run.
@@ -75,7 +95,7 @@ impl std::fmt::Debug for Live {
 /// An FMU from which a component of a model is made.
 #[derive(Debug)]
 pub struct FmuComponent {
-    fmu: Fmu,
+    fmu: Arc<Fmu>,
     numbers: FastMap<String, usize>,
     /// The values that may be read.
     watched: Vec<usize>,
@@ -86,7 +106,7 @@ pub struct FmuComponent {
 
 /// Opens an FMU for the component of a model that was imported from the one with this token.
 pub fn open(file: &Path, token: &str) -> Result<FmuComponent, String> {
-    let fmu = model::open(file, Some(Integrating::There)).map_err(|d| d.message.clone())?;
+    let fmu = model::open_shared(file, Some(Integrating::There)).map_err(|d| d.message.clone())?;
     if fmu.token() != token {
         return Err("it is another FMU than the one that was imported; import it again".to_owned());
     }
@@ -123,22 +143,41 @@ impl Store {
         state
     }
 
-    /// The instance of a run.
-    fn live(&mut self, run: u64) -> Arc<Mutex<Live>> {
-        if let Some((_, live)) = self.runs.iter().find(|(begin, _)| *begin == run) {
-            return Arc::clone(live);
+    /// The instance of a run on this thread.
+    fn live(&mut self, begin: u64) -> Arc<Mutex<Live>> {
+        let thread = thread_number();
+        if let Some(run) = self.runs.iter().find(|r| r.begin == begin && r.thread == thread) {
+            return Arc::clone(&run.live);
         }
-        if self.runs.len() >= MOST_RUNS
-            && let Some((oldest, _)) = self.runs.pop_front()
-        {
-            // The begin of a run stays: it may be part of a compiled program.
-            self.states.retain(|state, s| s.run != Some(oldest) || *state == oldest);
-            let states = &self.states;
-            self.known.retain(|_, state| states.contains_key(&*state));
+        if self.runs.len() >= MOST_RUNS {
+            self.runs.pop_front();
+            self.forget();
         }
         let live = Arc::<Mutex<Live>>::default();
-        self.runs.push_back((run, Arc::clone(&live)));
+        self.runs.push_back(ThreadRun { begin, thread, live: Arc::clone(&live) });
         live
+    }
+
+    /// Forgets the states of runs that have ended.
+    fn forget(&mut self) {
+        let running: FastSet<u64> = self.runs.iter().map(|r| r.begin).collect();
+        // The begin of a run stays: it may be part of a compiled program.
+        self.states
+            .retain(|state, s| s.run.is_none_or(|run| running.contains(&run) || run == *state));
+        let states = &self.states;
+        self.known.retain(|_, state| states.contains_key(&*state));
+    }
+
+    /// Ends the runs of this thread; their instances.
+    fn release(&mut self) -> Vec<Box<dyn ForeignInstance + Send>> {
+        let thread = thread_number();
+        let (ended, others): (VecDeque<_>, _) =
+            std::mem::take(&mut self.runs).into_iter().partition(|r| r.thread == thread);
+        self.runs = others;
+        if !ended.is_empty() {
+            self.forget();
+        }
+        ended.iter().filter_map(|run| locked(&run.live).instance.take()).collect()
     }
 
     /// The messages from one of two states, the nearer one, to a state; and whether it is the first of them.
@@ -217,7 +256,7 @@ impl FmuComponent {
             (f64::from_bits(start), messages.iter().filter_map(value).collect::<Vec<_>>())
         };
         values.sort_by_key(|(value, _)| *value);
-        let mut instance = self.fmu.start(&self.watched)?;
+        let mut instance = self.fmu.start_again(&self.watched)?;
         // The end is not known; a run may last longer than the default experiment of the FMU.
         let stop = f64::INFINITY;
         let tolerance = self.fmu.interface().experiment[3];
@@ -295,6 +334,11 @@ impl Component for FmuComponent {
                 f64::NAN
             }
         }
+    }
+
+    fn release(&self) {
+        let ended = locked(&self.store).release();
+        self.fmu.give_back(ended);
     }
 
     fn take_failure(&self) -> Option<Box<Diagnostic>> {

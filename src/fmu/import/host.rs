@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::description::{Group, Passing};
-use super::library::{Instance, Trouble, messages};
+use super::library::{Instance, Trouble, keep_loaded, messages};
 use super::message::{Answer, Load, Order, Point, receive, send};
 
 /// Time between two looks after the parent process.
@@ -24,9 +24,16 @@ pub fn serve() -> io::Result<()> {
     let mut buffer = Vec::new();
     let mut host: Option<Host> = None;
     while let Ok(order) = receive::<Order>(&mut stream, &mut buffer) {
-        let answer = match (order, &mut host) {
+        let answer = match (order, host.as_mut()) {
             (Order::Load(load), _) => {
-                watch_parent(PathBuf::from(&load.folder));
+                if host.is_none() {
+                    watch_parent(PathBuf::from(&load.folder));
+                    keep_loaded(&load);
+                }
+                // The instance of the last run goes first: an FMU may allow only one.
+                if let Some(last) = host.take() {
+                    last.instance.end();
+                }
                 match Host::new(*load) {
                     Ok(made) => {
                         host = Some(made);

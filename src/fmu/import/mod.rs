@@ -18,3 +18,4 @@ pub mod model;
 #[cfg_attr(not(unix), path = "no_remote.rs")]
 pub mod remote;
 pub mod text;
+pub mod whole;

@@ -1,6 +1,8 @@
 //! An FMU as a [`ForeignModel`]: its archive is unpacked once, and each instance gets a child process.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::SystemTime;
 
 use super::description::{Described, Kind, Unusable, read};
 use super::message::Load;
@@ -29,7 +31,21 @@ pub struct Fmu {
     folder: PathBuf,
     interface: ForeignInterface,
     load: Load,
+    idle: Idle,
 }
+
+/// Instances of ended runs, in their processes, that wait for the next.
+#[derive(Default)]
+struct Idle(Mutex<Vec<Box<dyn ForeignInstance + Send>>>);
+
+impl std::fmt::Debug for Idle {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("instances that wait")
+    }
+}
+
+/// Most instances that wait.
+const MOST_IDLE: usize = 8;
 
 /// The shared libraries of this platform, by version: the folder in `binaries/`, and the extension.
 fn platform(version: Version) -> (&'static str, &'static str) {
@@ -62,6 +78,35 @@ fn platforms(names: &[String]) -> String {
     }
 }
 
+/// An FMU that was opened before and is still in use.
+struct Known {
+    file: PathBuf,
+    wanted: Option<Integrating>,
+    /// Length and date of the file then.
+    stamp: (u64, Option<SystemTime>),
+    fmu: Weak<Fmu>,
+}
+
+/// The FMUs in use.
+static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
+
+/// As [`open`], but an FMU that is still in use is not unpacked again: a model with an FMU inside may be compiled
+/// hundreds of times.
+pub fn open_shared(file: &Path, wanted: Option<Integrating>) -> Result<Arc<Fmu>, Box<Diagnostic>> {
+    let full = file.canonicalize().unwrap_or_else(|_| file.to_path_buf());
+    let found = std::fs::metadata(&full);
+    let stamp = found.map_or((0, None), |m| (m.len(), m.modified().ok()));
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    known.retain(|k| k.fmu.strong_count() > 0);
+    let same = |k: &&Known| k.file == full && k.wanted == wanted && k.stamp == stamp;
+    if let Some(fmu) = known.iter().find(same).and_then(|k| k.fmu.upgrade()) {
+        return Ok(fmu);
+    }
+    let fmu = Arc::new(open(file, wanted)?);
+    known.push(Known { file: full, wanted, stamp, fmu: Arc::downgrade(&fmu) });
+    Ok(fmu)
+}
+
 /// Reads an archive and unpacks it into a folder of its own.
 pub fn open(file: &Path, wanted: Option<Integrating>) -> Result<Fmu, Box<Diagnostic>> {
     let folder = scratch_path("fmu");
@@ -86,7 +131,7 @@ pub fn open(file: &Path, wanted: Option<Integrating>) -> Result<Fmu, Box<Diagnos
     let binaries = format!("binaries/{platform}/");
     let load = load(&described, &kind, stepping, &folder, &library);
     // From here on the folder is removed, whatever happens.
-    let fmu = Fmu { file: path, folder, interface, load };
+    let fmu = Fmu { file: path, folder, interface, load, idle: Idle::default() };
     let resources = fmu.folder.join("resources");
     if let Err(e) = std::fs::create_dir_all(&resources) {
         let (path, why) = (resources.display().to_string(), e.to_string());
@@ -168,6 +213,25 @@ impl Fmu {
     }
 }
 
+impl Fmu {
+    /// The same in the process of a run that has ended, if there is one; for runs that always watch the same values.
+    pub fn start_again(
+        &self,
+        watched: &[usize],
+    ) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault> {
+        let idle = self.idle.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let renewed = idle.and_then(|mut idle| idle.renew().is_ok().then_some(idle));
+        renewed.map_or_else(|| self.start(watched), Ok)
+    }
+
+    /// Takes instances of runs that have ended well.
+    pub fn give_back(&self, instances: Vec<Box<dyn ForeignInstance + Send>>) {
+        let mut idle = self.idle.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let room = MOST_IDLE.saturating_sub(idle.len());
+        idle.extend(instances.into_iter().take(room));
+    }
+}
+
 impl ForeignModel for Fmu {
     fn file(&self) -> &str {
         &self.file
@@ -184,6 +248,7 @@ impl ForeignModel for Fmu {
 
 impl Drop for Fmu {
     fn drop(&mut self) {
+        self.idle.0.lock().unwrap_or_else(PoisonError::into_inner).clear();
         let _ = std::fs::remove_dir_all(&self.folder);
     }
 }

@@ -67,6 +67,7 @@ pub struct Remote {
     /// The limit that the socket has now.
     timeout: Duration,
     states: usize,
+    load: Load,
     ended: bool,
 }
 
@@ -111,9 +112,10 @@ impl Remote {
             buffer: Vec::new(),
             timeout: Duration::ZERO,
             states,
+            load,
             ended: false,
         };
-        remote.ask(&Order::Load(Box::new(load)), "while it was instantiated")?;
+        remote.renew()?;
         Ok(remote)
     }
 
@@ -308,6 +310,11 @@ impl ForeignInstance for Remote {
             // A failure to end in good order costs the run nothing.
             let _ = self.ask(&Order::End, "at the end of the run");
         }
+    }
+
+    fn renew(&mut self) -> Result<(), ForeignFault> {
+        let order = Order::Load(Box::new(self.load.clone()));
+        self.ask(&order, "while it was instantiated").map(|_| ())
     }
 }
 

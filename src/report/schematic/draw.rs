@@ -63,6 +63,21 @@ pub fn svg(
     out
 }
 
+/// A picture of a model without components: a box with its name.
+pub fn named(name: &str) -> String {
+    let width = (text_width(name, CLASS_SIZE) + 40.0).max(120.0).ceil();
+    let (height, middle) = (80.0, width / 2.0);
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+         viewBox=\"0 0 {width} {height}\" font-family=\"{FAMILY}, system-ui, sans-serif\">\n\
+         <rect x=\"1\" y=\"1\" width=\"{}\" height=\"{}\" rx=\"4\" fill=\"#ffffff\" stroke=\"#1f2933\"/>\n\
+         <text x=\"{middle}\" y=\"44\" text-anchor=\"middle\" font-size=\"{CLASS_SIZE}\">{}</text>\n</svg>\n",
+        width - 2.0,
+        height - 2.0,
+        escaped(name)
+    )
+}
+
 fn lines(
     picture: &Picture,
     assembly: &Assembly,

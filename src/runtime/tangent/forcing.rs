@@ -129,7 +129,7 @@ impl Forcing {
                 continue;
             }
             let active_directions = &directions[*first as usize..(*first + *count) as usize];
-            if 2 * active_directions.len() > width {
+            if 2 * active_directions.len() > width || super::hides_derivatives(machine, i) {
                 tangents.propagate_instruction(machine, i);
                 continue;
             }
@@ -153,6 +153,11 @@ impl Forcing {
             }
         }
         Ok(())
+    }
+
+    /// For each direction, whether derivatives in it are not known.
+    pub fn hidden(&self) -> &[bool] {
+        self.tangents.hidden()
     }
 
     /// The derivatives of a slot.

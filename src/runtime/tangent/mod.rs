@@ -6,6 +6,7 @@
 //! temporary has its own slot. So one evaluation serves all directions, and torn blocks are not
 //! iterated again: the implicit function theorem gives the derivatives of their unknowns.
 
+use crate::ir::expr::{Binary, Unary};
 use crate::ir::program::{CallSite, Instr, Op, Slot};
 use crate::numeric::linear::DenseLu;
 use crate::symbolic::partial;
@@ -29,13 +30,16 @@ pub struct Tangents {
     values: Vec<f64>,
     /// Frames of recursive calls, parallel to `Machine::frames`.
     frames: Frames,
+    /// For each direction, whether it has reached a function whose derivatives lie outside of the program.
+    hidden: Vec<bool>,
 }
 
 impl Tangents {
     /// Tangents that are all zero.
     pub fn new(slots: usize, directions: usize) -> Self {
         let width = directions.div_ceil(LANES) * LANES;
-        Tangents { directions, width, values: vec![0.0; slots * width], frames: Frames::default() }
+        let (values, frames) = (vec![0.0; slots * width], Frames::default());
+        Tangents { directions, width, values, frames, hidden: vec![false; directions] }
     }
 
     /// Number of directions.
@@ -75,14 +79,29 @@ impl Tangents {
 
     /// Copies the derivatives from tangents of the same size.
     pub fn copy_from(&mut self, other: &Tangents) {
+        self.hidden.copy_from_slice(&other.hidden);
         self.values.copy_from_slice(&other.values);
     }
 
     /// A copy that can be restored.
     pub fn snapshot(&self) -> Tangents {
         let frames = Frames::default();
-        let values = self.values.clone();
-        Tangents { directions: self.directions, width: self.width, values, frames }
+        let (values, hidden) = (self.values.clone(), self.hidden.clone());
+        Tangents { directions: self.directions, width: self.width, values, frames, hidden }
+    }
+
+    /// For each direction, whether derivatives in it are not known: it has reached a function that hides them.
+    pub fn hidden(&self) -> &[bool] {
+        &self.hidden
+    }
+
+    /// Notes the directions in which the arguments of a function that hides its derivatives move.
+    fn hide(&mut self, i: &Instr) {
+        let [a, b] = [i.a, i.b].map(|slot| slot as usize * self.width);
+        let is_binary = matches!(i.op, Op::Binary(_));
+        for (k, hidden) in self.hidden.iter_mut().enumerate() {
+            *hidden |= self.values[a + k] != 0.0 || (is_binary && self.values[b + k] != 0.0);
+        }
     }
 
     /// `to := from`
@@ -114,6 +133,9 @@ impl Tangents {
     /// Propagates derivatives along one instruction whose result is in the memory.
     #[inline]
     fn propagate_instruction(&mut self, machine: &Machine<'_>, i: &Instr) {
+        if hides_derivatives(machine, i) {
+            self.hide(i);
+        }
         match rule(machine, i) {
             Rule::Keep => {}
             Rule::Clear => self.clear(i.dst),
@@ -357,6 +379,9 @@ impl Tangents {
         }
         let value = machine.get(i.dst);
         let overwritten = i.dst == i.a || i.dst == i.b;
+        if overwritten && hides_derivatives(machine, i) {
+            self.hide(i);
+        }
         if !overwritten {
             return self.propagate_instruction(machine, i);
         }
@@ -376,6 +401,17 @@ impl Tangents {
             _ => self.propagate_instruction(machine, i),
         }
     }
+}
+
+/// True for a function whose derivatives lie outside of the program.
+#[inline]
+fn hides_derivatives(machine: &Machine<'_>, i: &Instr) -> bool {
+    let f = match i.op {
+        Op::Unary(Unary::External(f)) => f,
+        Op::Binary(Binary::External(f)) => f,
+        _ => return false,
+    };
+    machine.program.externals().get(f).hides_derivatives()
 }
 
 /// How an instruction propagates derivatives.

@@ -202,6 +202,14 @@ impl Sensitivity {
         &self.slopes
     }
 
+    /// The inputs by which derivatives are not known, by position: what they move reaches functions outside of the
+    /// program.
+    pub fn hidden(&self) -> Vec<usize> {
+        let own = self.tangents.as_ref().map_or(&[][..], |t| t.hidden());
+        let is_hidden = |k: &usize| own.get(*k) == Some(&true) || self.forcing.hidden()[*k];
+        (0..self.count).filter(is_hidden).collect()
+    }
+
     /// Advances the derivatives over the last step.
     pub fn advance(
         &mut self,

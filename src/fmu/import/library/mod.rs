@@ -5,37 +5,17 @@
 
 #![allow(unsafe_code)] // Only here: calls foreign code by the signatures of the standard.
 
-use std::ffi::{CStr, CString, c_char, c_int, c_void};
-use std::ptr;
-use std::sync::Mutex;
+mod log;
+
+use std::ffi::{c_int, c_void};
 
 use libloading::Library;
 
-use super::description::{Group, Passing};
-use super::message::Load;
+use self::log::Callbacks;
+pub use self::log::messages;
 
-/// Most messages of the FMU that are kept.
-const MOST_MESSAGES: usize = 20;
-/// Longest message, bytes.
-const LONGEST_MESSAGE: usize = 2000;
 /// Most iterations of one event.
 const MOST_ITERATIONS: usize = 10_000;
-
-/// The last messages of the FMU; it may send them from any thread.
-static MESSAGES: Mutex<Vec<String>> = Mutex::new(Vec::new());
-
-fn keep(text: &str) {
-    let Ok(mut messages) = MESSAGES.lock() else { return };
-    if messages.len() >= MOST_MESSAGES {
-        messages.remove(0);
-    }
-    messages.push(text.chars().take(LONGEST_MESSAGE).collect());
-}
-
-/// The messages since the last call.
-pub fn messages() -> Vec<String> {
-    MESSAGES.lock().map(|mut all| std::mem::take(&mut *all)).unwrap_or_default()
-}
 
 /// Why the library is of no use.
 #[derive(Clone, PartialEq, Debug)]
@@ -51,58 +31,6 @@ pub enum Trouble {
         /// The name of the status.
         status: &'static str,
     },
-}
-
-/// The memory and the logger of FMI 2.
-#[repr(C)]
-struct Callbacks {
-    logger: unsafe extern "C" fn(
-        *mut c_void,
-        *const c_char,
-        c_int,
-        *const c_char,
-        *const c_char,
-        *const c_char,
-    ),
-    allocate: unsafe extern "C" fn(usize, usize) -> *mut c_void,
-    free: unsafe extern "C" fn(*mut c_void),
-    finished: *const c_void,
-    environment: *mut c_void,
-}
-
-unsafe extern "C" {
-    fn calloc(count: usize, size: usize) -> *mut c_void;
-    fn free(memory: *mut c_void);
-}
-
-/// The logger of FMI 2 takes the arguments of `printf`. Only a lone `%s` is filled in: the first argument after the
-/// format, if there is one, comes like a fixed one on the platforms of the child process.
-unsafe extern "C" fn log_second(
-    _: *mut c_void,
-    _: *const c_char,
-    _: c_int,
-    _: *const c_char,
-    format: *const c_char,
-    first: *const c_char,
-) {
-    if format.is_null() {
-        return;
-    }
-    // SAFETY: the standard promises a string that ends with zero.
-    let text = unsafe { CStr::from_ptr(format) }.to_string_lossy();
-    if text == "%s" && !first.is_null() {
-        // SAFETY: the format says that the argument is such a string.
-        keep(&unsafe { CStr::from_ptr(first) }.to_string_lossy());
-    } else {
-        keep(&text);
-    }
-}
-
-unsafe extern "C" fn log_third(_: *mut c_void, _: c_int, _: *const c_char, text: *const c_char) {
-    if !text.is_null() {
-        // SAFETY: the standard promises a string that ends with zero.
-        keep(&unsafe { CStr::from_ptr(text) }.to_string_lossy());
-    }
 }
 
 /// Result of an event in FMI 2.
@@ -171,100 +99,13 @@ macro_rules! call {
     }};
 }
 
-impl Instance {
-    /// Loads the library and makes an instance.
-    pub fn new(load: &Load) -> Result<Instance, Trouble> {
-        // SAFETY: the user has named the FMU, and its code runs in a process of its own.
-        let library = unsafe { Library::new(&load.library) };
-        let library = library.map_err(|e| Trouble::NotLoaded(detailed(&e)))?;
-        let callbacks = Box::new(Callbacks {
-            logger: log_second,
-            allocate: calloc,
-            free,
-            finished: ptr::null(),
-            environment: ptr::null_mut(),
-        });
-        let string = |text: &str| CString::new(text).unwrap_or_default();
-        let (name, token) = (string("mocc"), string(&load.token));
-        let missing = |e: libloading::Error| Trouble::NotLoaded(detailed(&e));
-        let instance = if load.third {
-            let folder = format!("{}/", load.resources.trim_end_matches('/'));
-            let resources = string(&folder);
-            type Exchange = unsafe extern "C" fn(
-                *const c_char,
-                *const c_char,
-                *const c_char,
-                bool,
-                bool,
-                *mut c_void,
-                unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const c_char),
-            ) -> *mut c_void;
-            type Stepping = unsafe extern "C" fn(
-                *const c_char,
-                *const c_char,
-                *const c_char,
-                bool,
-                bool,
-                bool,
-                bool,
-                *const u32,
-                usize,
-                *mut c_void,
-                unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const c_char),
-                *const c_void,
-            ) -> *mut c_void;
-            let (name, token, resources) = (name.as_ptr(), token.as_ptr(), resources.as_ptr());
-            let none = ptr::null_mut();
-            // SAFETY: signatures of FMI 3.0; all strings live through the call.
-            unsafe {
-                if load.stepping {
-                    let make =
-                        library.get::<Stepping>(b"fmi3InstantiateCoSimulation").map_err(missing)?;
-                    make(
-                        name,
-                        token,
-                        resources,
-                        false,
-                        false,
-                        false,
-                        false,
-                        ptr::null(),
-                        0,
-                        none,
-                        log_third,
-                        ptr::null(),
-                    )
-                } else {
-                    let make = library
-                        .get::<Exchange>(b"fmi3InstantiateModelExchange")
-                        .map_err(missing)?;
-                    make(name, token, resources, false, false, none, log_third)
-                }
-            }
-        } else {
-            type Make = unsafe extern "C" fn(
-                *const c_char,
-                c_int,
-                *const c_char,
-                *const c_char,
-                *const Callbacks,
-                c_int,
-                c_int,
-            ) -> *mut c_void;
-            let resources = string(&uri(&load.resources));
-            let kind = c_int::from(load.stepping);
-            // SAFETY: signature of FMI 2.0; strings and callbacks live long enough.
-            unsafe {
-                let make = library.get::<Make>(b"fmi2Instantiate").map_err(missing)?;
-                make(name.as_ptr(), kind, token.as_ptr(), resources.as_ptr(), &*callbacks, 0, 0)
-            }
-        };
-        if instance.is_null() {
-            return Err(Trouble::NotInstantiated);
-        }
-        Ok(Instance { library, third: load.third, instance, _callbacks: callbacks })
-    }
+// They use the macro.
+mod instantiate;
+mod values;
 
+pub use self::instantiate::keep_loaded;
+
+impl Instance {
     /// Enters the initialization mode.
     pub fn enter_initialization(&self, span: [f64; 3]) -> Result<(), Trouble> {
         let [start, stop, tolerance] = span;
@@ -476,123 +317,5 @@ impl Instance {
                 f(self.instance);
             }
         }
-    }
-
-    /// Gets the values of groups of one type, one after the other.
-    pub fn get(
-        &self,
-        passing: Passing,
-        groups: &[Group],
-        out: &mut Vec<f64>,
-    ) -> Result<(), Trouble> {
-        let references: Vec<u32> = groups.iter().map(|g| g.reference).collect();
-        let count: usize = groups.iter().map(|g| g.count).sum();
-        macro_rules! fetch {
-            ($name:literal, $ty:ty, $zero:expr, $convert:expr) => {{
-                let mut values: Vec<$ty> = vec![$zero; count];
-                call!(self, $name, references.as_ptr() => *const u32, references.len() => usize,
-                    values.as_mut_ptr() => *mut $ty, count => usize)?;
-                let convert: fn($ty) -> f64 = $convert;
-                out.extend(values.into_iter().map(convert));
-                Ok(())
-            }};
-        }
-        macro_rules! fetch_second {
-            ($name:literal, $ty:ty, $zero:expr, $convert:expr) => {{
-                let mut values: Vec<$ty> = vec![$zero; count];
-                call!(self, $name, references.as_ptr() => *const u32, references.len() => usize,
-                    values.as_mut_ptr() => *mut $ty)?;
-                let convert: fn($ty) -> f64 = $convert;
-                out.extend(values.into_iter().map(convert));
-                Ok(())
-            }};
-        }
-        match (self.third, passing) {
-            (false, Passing::Float64) => fetch_second!("fmi2GetReal", f64, 0.0, |x| x),
-            (false, Passing::Boolean) => {
-                fetch_second!("fmi2GetBoolean", c_int, 0, |x| f64::from(u8::from(x != 0)))
-            }
-            (false, _) => fetch_second!("fmi2GetInteger", c_int, 0, f64::from),
-            (true, Passing::Float64) => fetch!("fmi3GetFloat64", f64, 0.0, |x| x),
-            (true, Passing::Float32) => fetch!("fmi3GetFloat32", f32, 0.0, f64::from),
-            (true, Passing::Int8) => fetch!("fmi3GetInt8", i8, 0, f64::from),
-            (true, Passing::UInt8) => fetch!("fmi3GetUInt8", u8, 0, f64::from),
-            (true, Passing::Int16) => fetch!("fmi3GetInt16", i16, 0, f64::from),
-            (true, Passing::UInt16) => fetch!("fmi3GetUInt16", u16, 0, f64::from),
-            (true, Passing::Int32) => fetch!("fmi3GetInt32", i32, 0, f64::from),
-            (true, Passing::UInt32) => fetch!("fmi3GetUInt32", u32, 0, f64::from),
-            (true, Passing::Int64) => fetch!("fmi3GetInt64", i64, 0, |x| x as f64),
-            (true, Passing::UInt64) => fetch!("fmi3GetUInt64", u64, 0, |x| x as f64),
-            // Bytes, since a foreign Boolean may be neither 0 nor 1.
-            (true, Passing::Boolean) => {
-                fetch!("fmi3GetBoolean", u8, 0, |x| f64::from(u8::from(x != 0)))
-            }
-        }
-    }
-
-    /// Sets the values of one group.
-    pub fn set(&self, group: &Group, new: &[f64]) -> Result<(), Trouble> {
-        let reference = group.reference;
-        macro_rules! put {
-            ($name:literal, $ty:ty) => {{
-                let values: Vec<$ty> = new.iter().map(|x| *x as $ty).collect();
-                call!(self, $name, &reference => *const u32, 1 => usize,
-                    values.as_ptr() => *const $ty, values.len() => usize)
-            }};
-        }
-        macro_rules! put_second {
-            ($name:literal, $ty:ty) => {{
-                let values: Vec<$ty> = new.iter().map(|x| *x as $ty).collect();
-                call!(self, $name, &reference => *const u32, 1 => usize,
-                    values.as_ptr() => *const $ty)
-            }};
-        }
-        match (self.third, group.passing) {
-            (false, Passing::Float64) => put_second!("fmi2SetReal", f64),
-            (false, Passing::Boolean) => put_second!("fmi2SetBoolean", c_int),
-            (false, _) => put_second!("fmi2SetInteger", c_int),
-            (true, Passing::Float64) => put!("fmi3SetFloat64", f64),
-            (true, Passing::Float32) => put!("fmi3SetFloat32", f32),
-            (true, Passing::Int8) => put!("fmi3SetInt8", i8),
-            (true, Passing::UInt8) => put!("fmi3SetUInt8", u8),
-            (true, Passing::Int16) => put!("fmi3SetInt16", i16),
-            (true, Passing::UInt16) => put!("fmi3SetUInt16", u16),
-            (true, Passing::Int32) => put!("fmi3SetInt32", i32),
-            (true, Passing::UInt32) => put!("fmi3SetUInt32", u32),
-            (true, Passing::Int64) => put!("fmi3SetInt64", i64),
-            (true, Passing::UInt64) => put!("fmi3SetUInt64", u64),
-            (true, Passing::Boolean) => put!("fmi3SetBoolean", u8),
-        }
-    }
-}
-
-/// The path of a folder as the URI that FMI 2 asks for.
-fn uri(folder: &str) -> String {
-    let mut out = "file://".to_owned();
-    for byte in folder.bytes() {
-        match byte {
-            b'/' | b'-' | b'_' | b'.' | b'~' => out.push(byte as char),
-            b if b.is_ascii_alphanumeric() => out.push(b as char),
-            b => out.push_str(&format!("%{b:02X}")),
-        }
-    }
-    out
-}
-
-/// An error with its cause: the reason of the loader.
-fn detailed(error: &libloading::Error) -> String {
-    match std::error::Error::source(error) {
-        Some(source) => source.to_string(),
-        None => error.to_string(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn folders_become_uris() {
-        assert_eq!(uri("/tmp/a b/resources"), "file:///tmp/a%20b/resources");
     }
 }

@@ -3,7 +3,12 @@
 //!
 //! In: the text. Out: a [`Described`] FMU, with its variables as scalars.
 
+mod types;
+
 use roxmltree::{Document, Node, ParsingOptions};
+
+pub use self::types::Passing;
+use self::types::{Types, passing};
 
 use crate::base::index::FastMap;
 use crate::fmu::description::Version;
@@ -13,51 +18,6 @@ use crate::ir::foreign::{ForeignRole, ForeignType, ForeignVariable};
 const MOST_NODES: u32 = 20_000_000;
 /// Most values of all variables together.
 const MOST_VALUES: usize = 10_000_000;
-
-/// How the library passes the values of a variable.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[repr(u8)]
-pub enum Passing {
-    /// As doubles.
-    Float64,
-    /// As floats.
-    Float32,
-    /// As whole numbers of so many bits, with or without sign.
-    Int8,
-    /// See [`Passing::Int8`].
-    UInt8,
-    /// See [`Passing::Int8`].
-    Int16,
-    /// See [`Passing::Int8`].
-    UInt16,
-    /// See [`Passing::Int8`]; in FMI 2 Integer and Enumeration.
-    Int32,
-    /// See [`Passing::Int8`].
-    UInt32,
-    /// See [`Passing::Int8`]; in FMI 3 Enumeration too.
-    Int64,
-    /// See [`Passing::Int8`].
-    UInt64,
-    /// As Booleans.
-    Boolean,
-}
-
-impl Passing {
-    /// All, by their number.
-    pub const ALL: [Passing; 11] = [
-        Passing::Float64,
-        Passing::Float32,
-        Passing::Int8,
-        Passing::UInt8,
-        Passing::Int16,
-        Passing::UInt16,
-        Passing::Int32,
-        Passing::UInt32,
-        Passing::Int64,
-        Passing::UInt64,
-        Passing::Boolean,
-    ];
-}
 
 /// A value reference and its values.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -305,6 +265,7 @@ fn scalars(
                 value: first + k,
                 start,
                 may_be_set,
+                is_tunable: role == ForeignRole::Parameter && variability == "tunable",
                 unit: text("unit"),
                 display_unit: text("displayUnit"),
                 description: description.to_owned(),
@@ -352,52 +313,6 @@ fn structure(root: Node<'_, '_>, listed: &[Listed], out: &mut Described) -> Resu
     };
     out.states = derivatives.iter().map(of).collect::<Option<_>>().unwrap_or_default();
     Ok(())
-}
-
-/// Declared types, whose attributes hold for variables without their own.
-struct Types<'a, 'i> {
-    list: Vec<(&'a str, Node<'a, 'i>)>,
-}
-
-impl<'a, 'i> Types<'a, 'i> {
-    fn of(root: Node<'a, 'i>) -> Self {
-        let definitions = child(root, "TypeDefinitions");
-        let elements = definitions.into_iter().flat_map(|d| d.children());
-        let list = elements.filter(Node::is_element).filter_map(|e| {
-            let inner = match e.tag_name().name() {
-                "SimpleType" => e.children().find(Node::is_element)?,
-                _ => e,
-            };
-            Some((e.attribute("name")?, inner))
-        });
-        Types { list: list.collect() }
-    }
-
-    fn attribute<'n>(&'n self, typed: Node<'n, '_>, key: &str) -> Option<&'n str> {
-        if let Some(own) = typed.attribute(key) {
-            return Some(own);
-        }
-        let declared = typed.attribute("declaredType")?;
-        let (_, found) = self.list.iter().find(|(name, _)| *name == declared)?;
-        found.attribute(key)
-    }
-}
-
-fn passing(version: Version, tag: &str) -> Option<Passing> {
-    Some(match (version, tag) {
-        (Version::Two, "Real") | (Version::Three, "Float64") => Passing::Float64,
-        (Version::Two, "Integer" | "Enumeration") | (Version::Three, "Int32") => Passing::Int32,
-        (_, "Boolean") => Passing::Boolean,
-        (Version::Three, "Float32") => Passing::Float32,
-        (Version::Three, "Int8") => Passing::Int8,
-        (Version::Three, "UInt8") => Passing::UInt8,
-        (Version::Three, "Int16") => Passing::Int16,
-        (Version::Three, "UInt16") => Passing::UInt16,
-        (Version::Three, "UInt32") => Passing::UInt32,
-        (Version::Three, "Int64" | "Enumeration") => Passing::Int64,
-        (Version::Three, "UInt64") => Passing::UInt64,
-        _ => return None,
-    })
 }
 
 /// The sizes of an array variable; none for a scalar. Structural parameters keep their start values.

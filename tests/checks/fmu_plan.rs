@@ -1,0 +1,270 @@
+//! FMUs as the models of plans: a heater that is exported, and recordings of it from equations integrated here, with a
+//! flaw of a sensor, of an actuator or of a parameter. Skips where the runtime of FMUs has not been built.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::door::Scratch;
+use super::program::{Ended, mocc};
+
+/// Standard deviation of the noise, K.
+const SIGMA: f64 = 0.05;
+/// Distance of the rows, s.
+const ROW: f64 = 8.0;
+/// Length of a recording, s.
+const LENGTH: f64 = 360.0;
+
+const HEATER: &str = r#"model Heater "A heated body in a room"
+  parameter Real C(unit = "J/K") = 400 "Heat capacity";
+  parameter Real G(unit = "W/K") = 1.5 "Conductance to the room";
+  parameter Real T_room(unit = "K") = 293 "Temperature of the room";
+  input Real P(unit = "W", start = 0) "Heating power";
+  output Real T(unit = "K", start = T_room, fixed = true) "Temperature";
+equation
+  C*der(T) = P - G*(T - T_room);
+  annotation(experiment(StopTime = 600));
+end Heater;
+"#;
+
+const PLAN: &str = r#"
+model = "MODEL"
+[data]
+folder = "."
+table  = "table.csv"
+file   = "file"
+split  = "split"
+[conditions]
+T_room = { parameter = "T_room", unit = "K" }
+[inputs]
+P = { input = "P", unit = "W", interpolation = "linear" }
+[time]
+column = "t"
+unit   = "s"
+[signals]
+T = { variable = "T", unit = "K", sigma = 0.05 }
+[free]
+C = { min = 50, max = 2000 }
+G = { min = 0.1, max = 20 }
+"#;
+
+/// The runtime of FMUs, if it has been built.
+fn runtime() -> Option<PathBuf> {
+    let program = Path::new(env!("CARGO_BIN_EXE_mocc"));
+    let target = program.parent().and_then(Path::parent)?;
+    let mut all = ["release", "debug"].map(|f| target.join(f).join("libmocc_fmu.so")).into_iter();
+    all.find(|path| path.exists())
+}
+
+/// The heating power of a recording, W: ramps between levels, some of them small and negative.
+fn power(recording: usize, t: f64) -> f64 {
+    let levels = [
+        [0.0, 90.0, 20.0, 60.0, 5.0, 40.0],
+        [40.0, 8.0, 100.0, 30.0, 70.0, 12.0],
+        [10.0, 60.0, 0.0, 25.0, 90.0, 50.0],
+        [70.0, 15.0, 45.0, 80.0, 3.0, 30.0],
+    ];
+    let levels = &levels[recording % levels.len()];
+    let at = t / 60.0;
+    let k = (at as usize).min(levels.len() - 1);
+    // A fifth of each interval is a ramp.
+    let part = ((at - k as f64) / 0.2).min(1.0);
+    let before = if k == 0 { levels[0] } else { levels[k - 1] };
+    before + part * (levels[k] - before)
+}
+
+/// What differs from the heater of the model.
+#[derive(Clone, Copy)]
+struct Flaws {
+    /// Time constant of the sensor, s.
+    lag: f64,
+    /// Half the width of the dead zone of the heating, W.
+    dead: f64,
+    /// Relative growth of the conductance, 1/K.
+    growth: f64,
+}
+
+const FLAWLESS: Flaws = Flaws { lag: 0.0, dead: 0.0, growth: 0.0 };
+
+/// A recording, integrated by Runge and Kutta's classical method.
+fn recording(number: usize, room: f64, flaws: Flaws) -> String {
+    let mut state = 17 + number as u64;
+    let mut uniform = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let rate = |t: f64, (x, y): (f64, f64)| {
+        let p = power(number, t);
+        let acts = p - p.clamp(-flaws.dead, flaws.dead);
+        let conductance = 2.0 * (1.0 + flaws.growth * (x - 293.0));
+        let lag = if flaws.lag > 0.0 { (x - y) / flaws.lag } else { 0.0 };
+        ((acts - conductance * (x - room)) / 500.0, lag)
+    };
+    let mut x = (room, room);
+    let mut text = "t,P,T\n".to_owned();
+    let (h, steps) = (0.25, (ROW / 0.25) as usize);
+    for k in 0..=(LENGTH / h) as usize {
+        let t = k as f64 * h;
+        if k % steps == 0 {
+            let normal: f64 = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+            let shown = if flaws.lag > 0.0 { x.1 } else { x.0 };
+            writeln!(text, "{t},{},{}", power(number, t), shown + SIGMA * normal)
+                .expect("a String");
+        }
+        let along = |f: f64, d: (f64, f64)| (x.0 + f * h * d.0, x.1 + f * h * d.1);
+        let a = rate(t, x);
+        let b = rate(t + 0.5 * h, along(0.5, a));
+        let c = rate(t + 0.5 * h, along(0.5, b));
+        let d = rate(t + h, along(1.0, c));
+        x.0 += h / 6.0 * (a.0 + 2.0 * b.0 + 2.0 * c.0 + d.0);
+        x.1 += h / 6.0 * (a.1 + 2.0 * b.1 + 2.0 * c.1 + d.1);
+    }
+    text
+}
+
+/// A folder with the heater as an FMU, the recordings and the plans; `None` without the runtime.
+fn study(flaws: Flaws) -> Option<Scratch> {
+    let runtime = runtime()?;
+    let folder = Scratch::new();
+    folder.file("heater.mo", HEATER);
+    let runtime = runtime.display().to_string();
+    let ended = mocc(
+        folder.path(),
+        &["export", "fmu", "heater.mo", "--runtime", &runtime, "-o", "heater.fmu", "--quiet"],
+    );
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let mut table = "file,split,T_room\n".to_owned();
+    for (k, room) in [293.0, 285.0, 299.0, 290.0].into_iter().enumerate() {
+        folder.file(&format!("{k}.csv"), &recording(k, room, flaws));
+        let split = if k == 3 { "validation" } else { "train" };
+        writeln!(table, "{k}.csv,{split},{room}").expect("a String");
+    }
+    folder.file("table.csv", &table);
+    folder.file("plan.toml", &PLAN.replace("MODEL", "heater.fmu"));
+    folder.file("text.toml", &PLAN.replace("MODEL", "heater.mo"));
+    Some(folder)
+}
+
+fn json(folder: &Scratch, file: &str) -> Value {
+    let text = std::fs::read_to_string(folder.path().join(file)).expect(file);
+    serde_json::from_str(&text).expect("JSON")
+}
+
+fn succeeds(folder: &Scratch, words: &[&str]) -> Ended {
+    let ended = mocc(folder.path(), words);
+    assert_eq!(ended.status, 0, "{}\n{}", ended.out, ended.err);
+    ended
+}
+
+/// The diagnosis of the heater with flaws: what was found, and the summary.
+fn diagnosis(flaws: Flaws) -> Option<(Value, String, Scratch)> {
+    let folder = study(flaws)?;
+    let words = ["diagnose", "plan.toml", "--allow-fmu", "heater.fmu", "--out", "out"];
+    let ended = succeeds(&folder, &words);
+    Some((json(&folder, "out/diagnosis.json"), ended.out, folder))
+}
+
+fn first_effect(found: &Value) -> (&str, &str) {
+    assert_eq!(found["verdict"], "effect_found", "{found:#}");
+    let effect = &found["effects"][0];
+    let text = |x: &'static str| effect[x].as_str().unwrap_or_default();
+    (text("component"), effect["at"][0].as_str().unwrap_or_default())
+}
+
+/// The FMU and the text are one model: the estimates agree within a small part of their errors.
+#[test]
+fn an_fmu_is_calibrated_like_its_model() {
+    let Some(folder) = study(FLAWLESS) else { return };
+    let refused = mocc(folder.path(), &["calibrate", "plan.toml"]);
+    assert_eq!(refused.status, 2);
+    assert!(
+        refused.err.contains("MO1321") && refused.err.contains("--allow-fmu"),
+        "{}",
+        refused.err
+    );
+    let words = ["calibrate", "plan.toml", "--allow-fmu", "heater.fmu", "--no-profiles"];
+    succeeds(&folder, &[&words[..], &["--out", "a"]].concat());
+    succeeds(&folder, &["calibrate", "text.toml", "--no-profiles", "--out", "b"]);
+    let [fmu, text] = ["a", "b"].map(|f| json(&folder, &format!("{f}/calibration.json")));
+    for (k, truth) in [500.0, 2.0].into_iter().enumerate() {
+        let of = |found: &Value, key: &str| found["parameters"][k][key].as_f64().expect("a number");
+        let error = of(&text, "std_error");
+        assert!((of(&fmu, "value") - of(&text, "value")).abs() < 0.02 * error, "{fmu:#}\n{text:#}");
+        assert!((of(&fmu, "std_error") - error).abs() < 0.02 * error, "{fmu:#}\n{text:#}");
+        assert!((of(&text, "value") - truth).abs() < 4.0 * error, "{text:#}");
+    }
+}
+
+/// A model with an FMU inside: what acts on the FMU has derivatives too, by differences.
+#[test]
+fn derivatives_go_through_an_fmu_inside_a_model() {
+    let Some(folder) = study(FLAWLESS) else { return };
+    succeeds(&folder, &["import", "heater.fmu", "-o", "Block.mo", "--quiet"]);
+    let block = std::fs::read_to_string(folder.path().join("Block.mo")).expect("a block");
+    let plant = "model Plant
+  parameter Real C = 400;
+  parameter Real G = 1.5;
+  parameter Real T_room = 293;
+  input Real P(start = 0);
+  output Real T;
+  Heater heater(C = C, G = G, T_room = T_room, communicationStep = 0.5);
+equation
+  heater.P = P;
+  T = heater.T;
+end Plant;
+";
+    folder.file(
+        "plant.mo",
+        &format!(
+            "{}{plant}",
+            block.replace("block Block", "block Heater").replace("end Block", "end Heater")
+        ),
+    );
+    folder.file("inside.toml", &PLAN.replace("MODEL", "plant.mo"));
+    let words = ["calibrate", "inside.toml", "--allow-fmu", "heater.fmu", "--no-profiles"];
+    succeeds(&folder, &[&words[..], &["--out", "c"]].concat());
+    let found = json(&folder, "c/calibration.json");
+    for (k, truth) in [500.0, 2.0].into_iter().enumerate() {
+        let value = found["parameters"][k]["value"].as_f64().expect("a number");
+        assert!((value - truth).abs() < 0.01 * truth, "{found:#}");
+    }
+}
+
+#[test]
+fn a_lag_of_the_sensor_of_an_fmu_is_found() {
+    let Some((found, summary, folder)) = diagnosis(Flaws { lag: 30.0, ..FLAWLESS }) else { return };
+    let (component, at) = first_effect(&found);
+    assert_eq!((component, at), ("SensorLag", "T"), "{found:#}");
+    assert!(summary.contains("inside an FMU nothing can be added"), "{summary}");
+    assert_eq!(found["fmu"], "heater.fmu");
+    let amended = found["amended_model"].as_str().expect("an amended model");
+    let file = format!("out/{amended}");
+    let words = ["simulate", &file, "--quiet", "--output", "run.csv"];
+    let refused = mocc(folder.path(), &words);
+    assert_eq!(refused.status, 1, "an amended model does not run foreign code by itself");
+    succeeds(&folder, &[&words[..], &["--allow-fmu", "heater.fmu"]].concat());
+    let words = ["evaluate", "plan.toml", "--model", &file, "--allow-fmu", "heater.fmu"];
+    succeeds(&folder, &words);
+}
+
+#[test]
+fn a_dead_zone_before_an_fmu_is_found() {
+    let Some((found, ..)) = diagnosis(Flaws { dead: 12.0, ..FLAWLESS }) else { return };
+    let (component, at) = first_effect(&found);
+    assert_eq!((component, at), ("ActuatorDeadZone", "P"), "{found:#}");
+}
+
+#[test]
+fn a_parameter_of_an_fmu_that_varies_is_found() {
+    let Some((found, ..)) = diagnosis(Flaws { growth: 0.02, ..FLAWLESS }) else { return };
+    let (component, at) = first_effect(&found);
+    assert_eq!((component, at), ("parameter", "G"), "{found:#}");
+    assert_eq!(found["effects"][0]["over"][0], "T", "{found:#}");
+}
+
+#[test]
+fn nothing_is_found_where_an_fmu_lacks_nothing() {
+    let Some((found, ..)) = diagnosis(FLAWLESS) else { return };
+    assert_eq!(found["verdict"], "complete", "{found:#}");
+}
