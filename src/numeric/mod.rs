@@ -17,6 +17,7 @@ pub mod eigenvalues;
 pub mod halton;
 pub mod hermite;
 pub mod least_squares;
+pub mod levenberg_marquardt;
 pub mod linear;
 pub mod maxvol;
 pub mod newton;

@@ -5,6 +5,7 @@
 //! dependent but consistent, the undetermined unknowns keep their values.
 
 use crate::ir::program::{BlockDerivative, TornBlock};
+use crate::numeric::levenberg_marquardt::{Approach, LevenbergMarquardt};
 use crate::numeric::linear::DenseLu;
 use crate::numeric::newton::{Newton, NewtonOutcome, NewtonSettings, NonlinearSystem, Region};
 use crate::numeric::pseudo_inverse::PseudoInverse;
@@ -132,6 +133,10 @@ impl TornBlockSolver {
                         ending,
                     );
                 }
+                if branch_switch && !matches!(ending, NewtonOutcome::Converged { .. }) {
+                    region.bounds = bounds;
+                    ending = by_least_squares(newton, &mut equations, &mut self.z, region, ending);
+                }
                 let fault = equations.fault;
                 to_result(ending, k, fault)?;
             }
@@ -207,6 +212,42 @@ fn from_displaced_starts(
     }
     z.copy_from_slice(start);
     let _ = newton.solve(equations, z, region, &settings);
+    failed
+}
+
+/// Continues Newton's method where a search for the least residuals ends. Equations that repeat each other have many
+/// solutions: the one that the search found is taken.
+fn by_least_squares(
+    newton: &mut Newton,
+    equations: &mut BlockEquations<'_, '_>,
+    z: &mut [f64],
+    region: Region<'_>,
+    failed: NewtonOutcome,
+) -> NewtonOutcome {
+    let Some(mut search) = LevenbergMarquardt::new(z.len()) else { return failed };
+    let start = z.to_vec();
+    let settings = NewtonSettings::default();
+    let free = Region { bounds: None, ..region };
+    for region in [region, free].iter().skip(usize::from(region.bounds.is_none())) {
+        z.copy_from_slice(&start);
+        let approach = search.approach(equations, z, *region);
+        if approach == Approach::Failed {
+            continue;
+        }
+        let ending = newton.solve(equations, z, free, &settings);
+        match ending {
+            NewtonOutcome::Converged { .. } => return ending,
+            NewtonOutcome::Singular { column } if approach == Approach::Solved => {
+                let block = equations.torn_block;
+                equations.machine.undetermined.get_or_insert((block, column));
+                return NewtonOutcome::Converged { iterations: 0, accuracy: 0.0 };
+            }
+            _ => {}
+        }
+    }
+    z.copy_from_slice(&start);
+    // The message is about the start.
+    let _ = newton.solve(equations, z, free, &settings);
     failed
 }
 

@@ -2,7 +2,8 @@
 //!
 //! *In:* an [`ir::flat`](crate::ir::flat) model. *Out:* a warning for each unknown unit, and for
 //! each equation or binding whose two sides, or two terms, have different units: of another
-//! dimension, or of another size or zero, such as bar and Pa, or degC and K. Variables without a
+//! dimension, or of another size or zero, such as bar and Pa, or degC and K; likewise for each
+//! argument of a function and the input that it is given for. Variables without a
 //! unit get the one that the equations require; units that remain unknown are not compared. Each
 //! iteration makes two passes over the graph; the number of iterations is the length of the longest
 //! chain of inferences, at most [`MAX_ITERATIONS`].
@@ -22,7 +23,7 @@ use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::builtin::{BinaryUnit, UnaryUnit};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
-use crate::ir::flat::{Action, EquationKind, FlatModel};
+use crate::ir::flat::{Action, EquationKind, FlatModel, UnitOfArgument};
 use cause::UnitCause;
 use quantity::{Difference, Quantity};
 use unit::Unit;
@@ -73,6 +74,13 @@ pub fn check(flat: &mut FlatModel, problems: &mut Problems) {
     let mut reported: FastSet<Span> = FastSet::default();
     for pair in &pairs {
         if let Some(d) = inference.mismatch(pair)
+            && reported.insert(d.primary.0)
+        {
+            problems.push(d);
+        }
+    }
+    for argument in &flat.argument_units {
+        if let Some(d) = inference.wrong_argument(argument)
             && reported.insert(d.primary.0)
         {
             problems.push(d);
@@ -359,6 +367,22 @@ impl Inference<'_> {
         }
         let difference = self.differ(pair.left, pair.right)?;
         Some(between(difference, pair.left, pair.right))
+    }
+
+    /// The difference between an argument of a call and the input of the function, if it is known.
+    fn wrong_argument(&self, argument: &UnitOfArgument) -> Option<Diagnostic> {
+        let declared = Quantity::declared(Unit::of(&argument.unit)?);
+        let found = self.expressions.get(argument.value).copied().flatten()?;
+        found.difference(declared)?;
+        let cause = UnitCause::OtherUnitOfArgument {
+            function: argument.function.to_string(),
+            input: argument.input.to_string(),
+            unit: argument.unit.to_string(),
+            text: self.text(argument.value),
+            text_unit: self.unit(argument.value),
+        };
+        let d = Diagnostic::new(cause, argument.span);
+        Some(self.with_places(d, [argument.value, argument.value]))
     }
 
     fn is_not_a_number(&self, e: ExprId) -> bool {
