@@ -39,8 +39,9 @@ def models(file):
     scopes, found = [], []
     for mark in MARKS.finditer(text):
         if mark["end"]:
-            if mark["ended"] not in CONTROL and scopes and scopes[-1][0] == mark["ended"]:
-                scopes.pop()
+            names = [name for name, _ in scopes]
+            if mark["ended"] not in CONTROL and mark["ended"] in names:
+                del scopes[len(names) - 1 - names[::-1].index(mark["ended"]):]
         elif mark["experiment"]:
             if scopes and scopes[-1][1]:
                 found.append(".".join(prefix + [name for name, _ in scopes]))

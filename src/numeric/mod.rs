@@ -14,6 +14,7 @@ pub mod combinations;
 pub mod cycle_detection;
 pub mod eigen;
 pub mod eigenvalues;
+pub mod eigenvectors;
 pub mod halton;
 pub mod hermite;
 pub mod least_squares;
