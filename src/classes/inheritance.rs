@@ -88,9 +88,9 @@ impl ClassGraph<'_> {
         made
     }
 
-    /// The class that replaces the element `wanted` of `class`, with what the constraining clause of that element
-    /// says (section 7.3.2). It takes the place of a short class definition in a short one; the modifications of
-    /// the replacing one itself come from further outside.
+    /// The class that an element `wanted` of `class` is, by its declaration or a redeclaration, with what the
+    /// constraining clause of the element says (section 7.3.2). Both are short class definitions; the modifications
+    /// of the class itself come from further outside.
     pub(crate) fn under_constraint(
         &mut self,
         replacing: ClassId,
@@ -104,7 +104,7 @@ impl ClassGraph<'_> {
         let is_short = |class: ClassId| {
             matches!(self.definition(class).map(|t| &t.body), Some(ClassBody::Short(_)))
         };
-        if !is_short(before) || !is_short(replacing) || self.is_same_definition(before, replacing) {
+        if !is_short(before) || !is_short(replacing) {
             return replacing;
         }
         if let Some(known) = self.constrained.get(&(replacing, before)) {

@@ -138,7 +138,8 @@ impl ClassGraph<'_> {
             let replacing = self.class_in(&r.class, r.written_in, within);
             return Some(self.under_constraint(replacing, class, wanted, instance));
         }
-        Some(self.class_in(&text, declared_in, holder))
+        let found = self.class_in(&text, declared_in, holder);
+        Some(self.under_constraint(found, class, wanted, instance))
     }
 
     /// The class `wanted` in a file of its own in the folder of the package `class` or of one of its

@@ -173,9 +173,11 @@ impl<'s> FarSolution<'s, '_, '_> {
             match ending {
                 NewtonOutcome::Converged { .. } => return ending,
                 NewtonOutcome::Singular { column } if approach == Approach::Solved => {
-                    let block = self.equations.torn_block;
-                    self.equations.machine.undetermined.get_or_insert((block, column));
-                    return NewtonOutcome::Converged { iterations: 0, accuracy: 0.0 };
+                    return NewtonOutcome::Converged {
+                        iterations: 0,
+                        accuracy: 0.0,
+                        undetermined: Some(column),
+                    };
                 }
                 _ => {}
             }

@@ -113,6 +113,9 @@ impl TornBlockSolver {
                     let mut search = FarSolution { newton, equations: &mut equations, region };
                     ending = search.find(&mut self.z, ending);
                 }
+                if let NewtonOutcome::Converged { undetermined: Some(unknown), .. } = ending {
+                    equations.machine.undetermined.get_or_insert((k, unknown));
+                }
                 let fault = equations.fault;
                 to_result(ending, k, fault)?;
             }

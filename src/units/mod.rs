@@ -31,6 +31,9 @@ use unit::Unit;
 /// Maximum number of iterations of the inference.
 const MAX_ITERATIONS: usize = 40;
 
+/// Bytes between the name of a variable and a call in its binding.
+const FARTHEST_BINDING: u32 = 500;
+
 /// Two expressions that must have the same unit.
 struct ComparedPair {
     left: ExprId,
@@ -72,15 +75,18 @@ pub fn check(flat: &mut FlatModel, problems: &mut Problems) {
     inference.evaluate();
     // Elements of an array and instances of a component share the place of their equation.
     let mut reported: FastSet<Span> = FastSet::default();
-    for pair in &pairs {
-        if let Some(d) = inference.mismatch(pair)
+    let mut wrong = Vec::new();
+    for argument in &flat.argument_units {
+        if let Some(d) = inference.wrong_argument(argument)
             && reported.insert(d.primary.0)
         {
+            wrong.push(argument);
             problems.push(d);
         }
     }
-    for argument in &flat.argument_units {
-        if let Some(d) = inference.wrong_argument(argument)
+    for pair in &pairs {
+        if let Some(d) = inference.mismatch(pair)
+            && !wrong.iter().any(|argument| inference.follows_from(pair, argument))
             && reported.insert(d.primary.0)
         {
             problems.push(d);
@@ -367,6 +373,17 @@ impl Inference<'_> {
         }
         let difference = self.differ(pair.left, pair.right)?;
         Some(between(difference, pair.left, pair.right))
+    }
+
+    /// Whether a call in a pair, whose body is part of it, has an argument in a wrong unit.
+    fn follows_from(&self, pair: &ComparedPair, argument: &UnitOfArgument) -> bool {
+        let (here, call) = (pair.span, argument.span);
+        // The place of a binding is the name before it.
+        let is_near = here.file == call.file
+            && here.start <= call.start
+            && call.start <= here.end.saturating_add(FARTHEST_BINDING);
+        let is_argument = |e, _| e == argument.value;
+        is_near && self.graph().any([pair.left, pair.right], is_argument)
     }
 
     /// The difference between an argument of a call and the input of the function, if it is known.

@@ -158,7 +158,7 @@ package Eigen
     parameter Real re[2] = values({{4, 1}, {2, 3}});
     parameter Real pair = error({{1, -2}, {3, 1}});
     Real sum = (re[1] + 10*re[2])*time;
+    Real off = pair*time;
   end User;
 end Eigen;
-//@ expect re[1], re[2] = 5, 2 abs 1e-12
-//@ expect pair = 0 abs 1e-12
+//@ expect sum, off = 25, 0 abs 1e-11

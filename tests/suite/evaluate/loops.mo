@@ -212,7 +212,7 @@ end P;
 //@ expect k, n, r = 49, 54, 8
 
 //@ case table_in_a_when_clause
-//@ run stop=999 tolerance=1e-8
+//@ run stop=999 interval=0.25 tolerance=1e-8
 // A large table of parameters is looked up in the function, which each event calls. Its rows are the squares, so the
 // function is their polygon; a later parameter is read by the table.
 package Polygons

@@ -208,9 +208,9 @@ package Starts
   model Top
     Logarithm logarithm;
     Temperature temperature;
-    ZeroFlow flow;
+    ZeroFlow pipe;
   end Top;
 end Starts;
 //@ expect logarithm.ratio = 3 rel 1e-12
 //@ expect temperature.T = 300 rel 1e-9
-//@ expect flow.m, flow.p = sqrt(1.5), 2.5 rel 1e-9
+//@ expect pipe.m, pipe.p = sqrt(1.5), 2.5 rel 1e-9
