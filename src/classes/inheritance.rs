@@ -37,7 +37,15 @@ impl ClassGraph<'_> {
         redeclared: Rc<[Redeclaration]>,
     ) -> ClassId {
         self.tables.push(TableState::Untouched);
-        self.classes.push(ClassInstance { body, full_name, enclosing, holder, redeclared })
+        let constraint = None;
+        self.classes.push(ClassInstance {
+            body,
+            full_name,
+            enclosing,
+            holder,
+            redeclared,
+            constraint,
+        })
     }
 
     /// The class of a definition in `enclosing`, found in `holder`; the same each time.
@@ -75,7 +83,64 @@ impl ClassGraph<'_> {
         }
         let old = self.classes[class].clone();
         let all: Vec<_> = more.into_iter().chain(old.redeclared.iter().cloned()).collect();
-        self.add_class(old.body, old.full_name, old.enclosing, old.holder, all.into())
+        let made = self.add_class(old.body, old.full_name, old.enclosing, old.holder, all.into());
+        self.classes[made].constraint = old.constraint;
+        made
+    }
+
+    /// The class that an element `wanted` of `class` is, by its declaration or a redeclaration, with what the
+    /// constraining clause of the element says (section 7.3.2). Both are short class definitions; the modifications
+    /// of the class itself come from further outside.
+    pub(crate) fn under_constraint(
+        &mut self,
+        replacing: ClassId,
+        class: ClassId,
+        wanted: Name,
+        instance: InstanceId,
+    ) -> ClassId {
+        let Some((modification, before)) = self.constraint_of(class, wanted, instance) else {
+            return replacing;
+        };
+        let is_short = |class: ClassId| {
+            matches!(self.definition(class).map(|t| &t.body), Some(ClassBody::Short(_)))
+        };
+        if !is_short(before) || !is_short(replacing) {
+            return replacing;
+        }
+        if let Some(known) = self.constrained.get(&(replacing, before)) {
+            return *known;
+        }
+        let old = self.classes[replacing].clone();
+        let made =
+            self.add_class(old.body, old.full_name, old.enclosing, old.holder, old.redeclared);
+        self.classes[made].constraint = Some((modification, before));
+        self.constrained.insert((replacing, before), made);
+        made
+    }
+
+    /// The modification of the constraining clause of the class `wanted` in `class`, and this class as it is
+    /// declared.
+    fn constraint_of(
+        &mut self,
+        class: ClassId,
+        wanted: Name,
+        instance: InstanceId,
+    ) -> Option<(Arc<ast::Modification>, ClassId)> {
+        let (element, declared_in) = if self.table_in_progress(class) {
+            let text = self.definition(class)?.clone();
+            let ClassBody::Long(composition) = &text.body else { return None };
+            let is_wanted = |e: &&ast::Element| matches!(&e.kind, ElementKind::Class(c) if c.name.name == wanted);
+            (composition.elements.iter().find(is_wanted)?.clone(), class)
+        } else {
+            let table = self.table(class);
+            let entry = &table.entries[*table.index.get(&wanted)?];
+            ((*entry.element).clone(), entry.class)
+        };
+        let ElementKind::Class(text) = &element.kind else { return None };
+        let replaceable = element.replaceable.as_ref().filter(|r| r.constraint.is_some())?;
+        let modification = replaceable.modification.clone().filter(|m| !m.args.is_empty())?;
+        let holder = if self.is_package(class) { self.package_instance(class) } else { instance };
+        Some((modification, self.class_in(text, declared_in, holder)))
     }
 
     /// The definition of a class; `None` for a predefined one.
@@ -244,8 +309,13 @@ impl ClassGraph<'_> {
                     return;
                 };
                 self.check_short_base(text, base, short.base.span);
-                let layers: Rc<[_]> =
-                    short.modification.iter().map(|m| (m.clone(), class)).collect();
+                let own = short.modification.iter().map(|m| (m.clone(), class));
+                let constraint = self.classes[class].constraint.clone();
+                let layers: Rc<[_]> = own.chain(constraint.clone()).collect();
+                let base = match constraint {
+                    Some((m, before)) => self.base_with_redeclarations(before, base, &Some(m)),
+                    None => base,
+                };
                 let inherited = self.base_with_redeclarations(class, base, &short.modification);
                 self.inherit(table, inherited, &layers, false);
                 table.broken |= self.table(inherited).broken;
@@ -361,10 +431,12 @@ impl ClassGraph<'_> {
             {
                 let short =
                     matches!(self.definition(class).map(|t| &t.body), Some(ClassBody::Short(_)));
+                // A short class opens no scope for its modifications.
+                let around = self.classes[class].enclosing.filter(|_| short);
                 all.push(Redeclaration {
                     name: c.name.name,
                     class: c.clone(),
-                    written_in: class,
+                    written_in: around.unwrap_or(class),
                     instance: short.then_some(self.classes[class].holder),
                 });
             }

@@ -106,7 +106,8 @@ impl ClassGraph<'_> {
         let redeclared = self.classes[class].redeclared.clone();
         if let Some(r) = redeclared.iter().find(|r| r.name == wanted) {
             let holder = r.instance.unwrap_or(instance);
-            return Some(self.class_in(&r.class, r.written_in, holder));
+            let replacing = self.class_in(&r.class, r.written_in, holder);
+            return Some(self.under_constraint(replacing, class, wanted, instance));
         }
         let mut elsewhere = None;
         let (text, declared_in) = if self.table_in_progress(class) {
@@ -133,10 +134,12 @@ impl ClassGraph<'_> {
         };
         let holder = if self.is_package(class) { self.package_instance(class) } else { instance };
         if let Some(r) = elsewhere {
-            let holder = r.instance.unwrap_or(holder);
-            return Some(self.class_in(&r.class, r.written_in, holder));
+            let within = r.instance.unwrap_or(holder);
+            let replacing = self.class_in(&r.class, r.written_in, within);
+            return Some(self.under_constraint(replacing, class, wanted, instance));
         }
-        Some(self.class_in(&text, declared_in, holder))
+        let found = self.class_in(&text, declared_in, holder);
+        Some(self.under_constraint(found, class, wanted, instance))
     }
 
     /// The class `wanted` in a file of its own in the folder of the package `class` or of one of its

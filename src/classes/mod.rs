@@ -73,6 +73,8 @@ pub struct ClassGraph<'a> {
     /// Number of tables in progress for each definition, by address.
     open_definitions: FastMap<usize, u32>,
     class_cache: FastMap<(usize, ClassId, InstanceId), ClassId>,
+    /// Classes that replace another one, with what its constraining clause says.
+    constrained: FastMap<(ClassId, ClassId), ClassId>,
     /// Declarations that mean the same for all their components.
     declaration_cache: FastMap<declaration_cache::Key, declaration_cache::Cached>,
     /// The positions of import clauses in classes.

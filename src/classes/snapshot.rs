@@ -68,6 +68,7 @@ impl<'a> ClassGraph<'a> {
             tables: snapshot.tables,
             open_definitions: FastMap::default(),
             class_cache: snapshot.class_cache,
+            constrained: FastMap::default(),
             declaration_cache: FastMap::default(),
             imports: snapshot.imports,
             package_instances: snapshot.package_instances,

@@ -96,7 +96,8 @@ pub fn default_start(ty: Type) -> f64 {
 
 fn roots(e: &Emitter, blocks: &SortedBlocks) -> Vec<ExprId> {
     let mut all = Vec::new();
-    for block in blocks.initial.iter().chain(&blocks.event).chain(&blocks.continuous) {
+    let starts = blocks.initial.iter().chain(&blocks.initial_by_states);
+    for block in starts.chain(&blocks.event).chain(&blocks.continuous) {
         block.for_each_expression(&mut |e| all.push(e));
     }
     e.dae.for_each_equation_expression(&mut |e| all.push(e));

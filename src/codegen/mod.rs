@@ -51,12 +51,20 @@ pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems>
         dummies,
         state_sets,
         initial,
+        initial_by_states,
         event,
         continuous,
         assumed_starts,
         undetermined,
     } = blocks;
-    let mut order = SortedBlocks { states, algebraics: Vec::new(), initial, event, continuous };
+    let mut order = SortedBlocks {
+        states,
+        algebraics: Vec::new(),
+        initial,
+        initial_by_states,
+        event,
+        continuous,
+    };
     let mut emitter = Emitter::new(dae);
     if form == SystemForm::Dae {
         order.algebraics = algebraic::find(&mut emitter, &order);
@@ -65,6 +73,8 @@ pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems>
     function::compile_all(&mut emitter);
     sequence::parameters(&mut emitter, &order);
     let at_start = sequence::initial(&mut emitter, &order);
+    let by_states = sequence::initial_by_states(&mut emitter, &order);
+    emitter.initialized.clear();
     let at_events = sequence::event(&mut emitter, &order);
     let between = sequence::continuous(&mut emitter, &order);
     for k in 0..emitter.layout.delays.len() {
@@ -79,9 +89,10 @@ pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems>
     let literals = emitter.literal_slots();
     let Emitter { dae, image, layout, layers, routines, mut events, bounds, .. } = emitter;
     events.lagged_initial = at_start.lagged;
+    events.lagged_by_states = by_states.lagged;
     events.lagged_event = at_events.lagged;
     let parameters = layers.into_iter().next().map(|l| l.code).unwrap_or_default();
-    let SortedBlocks { states, algebraics, initial, event, continuous } = order;
+    let SortedBlocks { states, algebraics, initial, initial_by_states, event, continuous } = order;
     let mut program = Program {
         rows: None,
         recorded: recording::all(&dae),
@@ -92,6 +103,7 @@ pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems>
             dummies,
             state_sets,
             initial,
+            initial_by_states,
             event,
             continuous,
             assumed_starts,
@@ -103,6 +115,7 @@ pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems>
         tapes: Tapes {
             parameters,
             initial: at_start.tape,
+            initial_by_states: by_states.tape,
             event: at_events.tape,
             discrete: between.discrete,
             rhs: between.rhs,
@@ -132,6 +145,8 @@ pub struct SortedBlocks {
     pub algebraics: Vec<AlgebraicUnknown>,
     /// See [`Blocks::initial`].
     pub initial: Vec<Block>,
+    /// See [`Blocks::initial_by_states`].
+    pub initial_by_states: Vec<Block>,
     /// See [`Blocks::event`].
     pub event: Vec<Block>,
     /// See [`Blocks::continuous`].

@@ -70,6 +70,7 @@ fn slots_read_elsewhere(program: &Program) -> Vec<bool> {
     let mixed_blocks = program.routines.mixed_blocks.iter().map(|l| &l.tape);
     let own = [
         &program.tapes.initial,
+        &program.tapes.initial_by_states,
         &program.tapes.event,
         &program.tapes.discrete,
         &program.tapes.rhs,

@@ -134,7 +134,24 @@ pub fn initial(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
     e.push_layer();
     e.floor = DISCRETE;
     let lagged = compile_with_relations(e, &blocks.initial, Sequence::Initial);
-    for (slot, value) in std::mem::take(&mut e.initialized) {
+    for (slot, value) in e.initialized.clone() {
+        e.emit_to(slot, value);
+    }
+    SequenceTape { tape: e.pop_discard(), lagged }
+}
+
+/// Compiles the initial sequence whose loops are torn at states; empty if there is none.
+pub fn initial_by_states(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
+    if blocks.initial_by_states.is_empty() {
+        return SequenceTape { tape: Tape::default(), lagged: Vec::new() };
+    }
+    reset_levels(e, false);
+    e.continuous_level = DISCRETE;
+    e.push_layer();
+    e.floor = DISCRETE;
+    let sequence = Sequence::InitialByStates;
+    let lagged = compile_with_relations(e, &blocks.initial_by_states, sequence);
+    for (slot, value) in e.initialized.clone() {
         e.emit_to(slot, value);
     }
     SequenceTape { tape: e.pop_discard(), lagged }

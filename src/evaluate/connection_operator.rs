@@ -146,6 +146,9 @@ impl Evaluator<'_> {
         };
         let mode = self.mode.unassigned();
         let value = self.with_mode(mode, |cx| cx.evaluate(argument, scope))?;
+        if self.mode.sizes {
+            return Some(value);
+        }
         value.map(|v| {
             let e = v.scalar()?;
             if let Node::Var(v) = self.graph.node(e)

@@ -102,6 +102,7 @@ impl Evaluator<'_> {
             }
         }
         let given = self.matched(full_name, &inputs, args, named, span)?;
+        self.note_units_of_arguments(class, &components, &given, span);
         if let Some(result) = self.vectorised(class, &inputs, &given, span) {
             return result;
         }

@@ -1,4 +1,5 @@
-//! The functions of LAPACK that work on the factors of a matrix: `dgetrf`, `dgetrs`, `dgetri`.
+//! The functions of LAPACK that work on the factors of a matrix, `dgetrf`, `dgetrs` and `dgetri`, and `dgeev`, which
+//! finds its eigenvalues and eigenvectors.
 //!
 //! They are computed on numbers, which must be known before simulation, because the pivots are
 //! integers. Golub & Van Loan, *Matrix Computations*, 4th ed., section 3.4.
@@ -8,8 +9,10 @@ use super::external::Refusal;
 use super::linear_algebra::name_of;
 use super::value::Value;
 use crate::base::name::Name;
-use crate::ir::ast::External;
+use crate::ir::ast::{ExprKind, External};
 use crate::ir::expr::Const;
+use crate::numeric::eigenvalues::{Complex, eigenvalues};
+use crate::numeric::eigenvectors::eigenvectors;
 
 /// A matrix with its numbers of rows and columns, by rows.
 struct Numbers {
@@ -30,6 +33,7 @@ impl Evaluator<'_> {
         Some(match called {
             "dgetrf" => self.factorize(local(2)?, local(4)?, local(5)?),
             "dgetri" => self.invert(local(1)?, local(3)?, local(6)?),
+            "dgeev" => self.eigenvalues_of(external),
             "dgetrs" => self.solve_by_factors(local(3)?, local(5)?, local(6)?, local(8)?),
             _ => return None,
         })
@@ -84,6 +88,45 @@ impl Evaluator<'_> {
         }
         let solution = Value::array(dims, self.matrix_value(&b).elements().to_vec());
         Ok(vec![(right, solution), (info, Value::Scalar(self.graph.integer(0)))])
+    }
+
+    /// `dgeev`: the real and imaginary parts of the eigenvalues, and of the right eigenvectors if these are wanted. The
+    /// vectors of a pair are held in two columns, the real parts and then the imaginary ones.
+    fn eigenvalues_of(&mut self, external: &External) -> Result<Vec<(Name, Value)>, Refusal> {
+        let local = |k: usize| external.args.get(k).and_then(name_of).ok_or(Refusal::Unknown);
+        let wants_vectors = matches!(external.args.get(1).map(|e| &e.kind),
+            Some(ExprKind::String(text)) if &**text == "V");
+        let a = self.numbers_of(local(3)?)?;
+        let n = a.rows;
+        if n != a.columns {
+            return Err(Refusal::Wrong("the matrix is not square".into()));
+        }
+        let columns: Vec<f64> = (0..n * n).map(|k| a.at[k % n * n + k / n]).collect();
+        let failed =
+            || Refusal::Wrong("the iteration for the eigenvalues does not converge".into());
+        let values = eigenvalues(n, &columns).ok_or_else(failed)?;
+        let mut parts = |part: fn(&Complex) -> f64| {
+            let numbers = values.iter().map(|value| self.graph.real(part(value)));
+            Value::vector(numbers.collect())
+        };
+        let mut results =
+            vec![(local(5)?, parts(|value| value.re)), (local(6)?, parts(|value| value.im))];
+        if wants_vectors {
+            let vectors = eigenvectors(n, &columns, &values).ok_or_else(failed)?;
+            let mut at = vec![0.0; n * n];
+            for (j, (value, vector)) in values.iter().zip(&vectors).enumerate() {
+                // The second of a pair is the conjugate of the first.
+                let column = match value.im < 0.0 && j > 0 {
+                    true => &vectors[j - 1].im,
+                    false => &vector.re,
+                };
+                (0..n).for_each(|i| at[i * n + j] = column[i]);
+            }
+            let vectors = self.matrix_value(&Numbers { rows: n, columns: n, at });
+            results.push((local(9)?, vectors));
+        }
+        results.push((local(13)?, Value::Scalar(self.graph.integer(0))));
+        Ok(results)
     }
 
     fn numbers_of(&mut self, local: Name) -> Result<Numbers, Refusal> {

@@ -7,6 +7,7 @@
 //! ([`algorithm`]).
 
 pub mod algorithm;
+mod argument_unit;
 mod array;
 pub(crate) mod assertion;
 mod binding;
@@ -28,6 +29,7 @@ mod function_argument;
 pub mod history;
 pub mod implicit_ranges;
 pub mod inline;
+mod known_table;
 mod linear_algebra;
 mod loop_function;
 mod lu_factors;
@@ -90,6 +92,8 @@ pub struct Evaluator<'a> {
     pub(crate) parameters: binding::ParameterValues,
     /// Constants with units that are read as plain numbers.
     pub(crate) units: reference::Units,
+    /// Arguments of functions whose inputs have units.
+    pub(crate) argument_units: argument_unit::ArgumentUnits,
     /// Assertions that are left to the run.
     pub(crate) assertions: assertion::Assertions,
     /// Open calls, and functions that call themselves.
@@ -148,6 +152,7 @@ impl<'a> Evaluator<'a> {
             exits: Default::default(),
             parameters: Default::default(),
             units: Default::default(),
+            argument_units: Default::default(),
             assertions: Default::default(),
             recursions: Default::default(),
             specializations: Default::default(),

@@ -34,6 +34,14 @@ impl Evaluator<'_> {
                 return self.call_class(f, operands.to_vec(), Vec::new(), span);
             }
         }
+        // A default does not matter where a value is given.
+        for &class in &classes {
+            if operands.len() > 1
+                && let Some(f) = self.fitting(class, operator, operands, false)
+            {
+                return self.call_class(f, operands.to_vec(), Vec::new(), span);
+            }
+        }
         // Another operand is converted to the record.
         for &class in &classes {
             let converted: Option<Vec<Value>> = operands

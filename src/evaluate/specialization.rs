@@ -109,9 +109,10 @@ impl Evaluator<'_> {
         &mut self,
         class: ClassId,
         components: &Components,
-        given: Vec<Option<Value>>,
+        mut given: Vec<Option<Value>>,
         span: Span,
     ) -> Option<Value> {
+        self.with_numbers_of_tables(&mut given);
         match self.specialization(class, components, &given, span) {
             Ok(body) => self.call_of(&body, components, &given),
             Err(_) => self.run_function(class, components, given, span),

@@ -5,7 +5,7 @@ use super::Evaluator;
 use super::cause::array::ArrayCause;
 use super::cause::types::Expected;
 use super::reference::{Selection, many};
-use super::value::{Value, offset};
+use super::value::Value;
 use crate::base::source::Span;
 use crate::ir::ast::Subscript;
 use crate::ir::expr::{Const, ExprId};
@@ -179,8 +179,14 @@ impl Evaluator<'_> {
                     .map(|i| self.apply(&part(*i)?, rest, span))
                     .collect::<Option<Vec<_>>>()?;
                 if parts.is_empty() {
-                    let mut sizes = vec![0];
-                    sizes.extend(&offset(&dims, &[])?.1[1..]);
+                    let others = dims.iter().enumerate().skip(1);
+                    let sizes = others.filter_map(|(k, size)| match rest.get(k - 1) {
+                        Some(Selector::One(_) | Selector::Dynamic(_)) => None,
+                        Some(Selector::Many(list)) => Some(list.len()),
+                        Some(Selector::Each(all)) => Some(all.len()),
+                        None => Some(*size),
+                    });
+                    let sizes = std::iter::once(0).chain(sizes).collect();
                     return Some(Value::array(sizes, Vec::new()));
                 }
                 self.stack(parts, span)

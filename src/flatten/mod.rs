@@ -134,6 +134,7 @@ fn flatten_with(
     }
     inline::calls(cx, &mut flat);
     flat.functions = std::mem::take(&mut cx.loops.functions).into_iter().collect();
+    flat.argument_units = std::mem::take(&mut cx.argument_units.noted);
     flat.graph = std::mem::take(&mut cx.graph);
     let mut problems = varying::apply(&mut flat, &variations);
     problems.extend(passage::apply(&mut flat, &passages));

@@ -127,7 +127,7 @@ wire_enum!(Op {
 });
 wire_struct!(Instr { op, dst, a, b });
 wire_struct!(Entry { row, column, slot });
-wire_enum!(Sequence { Initial = 0, Event = 1, Continuous = 2 });
+wire_enum!(Sequence { Initial = 0, Event = 1, Continuous = 2, InitialByStates = 3 });
 wire_struct!(BlockPosition { sequence, index });
 wire_struct!(TornBlock {
     unknowns,
@@ -176,6 +176,7 @@ wire_struct!(Layout {
 wire_struct!(Tapes {
     parameters,
     initial,
+    initial_by_states,
     event,
     discrete,
     rhs,
@@ -188,6 +189,7 @@ wire_struct!(Routines { torn_blocks, block_derivatives, mixed_blocks, calls, fun
 wire_struct!(Events {
     relation_triggers,
     lagged_initial,
+    lagged_by_states,
     lagged_event,
     clocks,
     reinits,
@@ -423,6 +425,7 @@ impl Wire for Program {
             dummies: Vec::new(),
             state_sets: Wire::read(from)?,
             initial: Vec::new(),
+            initial_by_states: Vec::new(),
             event: Vec::new(),
             continuous: Vec::new(),
             assumed_starts: Vec::new(),

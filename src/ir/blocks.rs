@@ -22,6 +22,9 @@ pub struct Blocks {
     /// Determines every variable at the start: states (fixed or not), derivatives, algebraic,
     /// discrete variables and parameters with `fixed = false`.
     pub initial: Vec<Block>,
+    /// The same with loops torn at states where they can be, for starts from which `initial` does not converge: the
+    /// start values of states are better known than those of other variables. Empty if it would be the same.
+    pub initial_by_states: Vec<Block>,
     /// At an event: derivatives, algebraic and discrete variables from states, `pre` values and time.
     pub event: Vec<Block>,
     /// Between events: derivatives and algebraic variables from states, discrete variables and time.

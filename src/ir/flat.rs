@@ -40,6 +40,8 @@ pub struct FlatModel {
     pub experiment: Experiment,
     /// Positions of equations and declarations in which constants have lost their units.
     pub unitless_literals: FastSet<Span>,
+    /// Arguments of calls, with the units of the inputs that they are given for.
+    pub argument_units: Vec<UnitOfArgument>,
     /// Inputs without a value that take theirs from recordings.
     pub recorded: Vec<VarId>,
     /// Variables that `flatten` made for its own purposes.
@@ -56,6 +58,21 @@ pub struct FlatModel {
     pub transitions: Vec<Transition>,
     /// Variables of state machines that are `inner outer`, each with the outer one. Gone after `clocks`.
     pub inner_outer: Vec<(VarId, VarId)>,
+}
+
+/// An argument of a call, and the unit of the input that it is given for.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct UnitOfArgument {
+    /// The argument.
+    pub value: ExprId,
+    /// The unit that the function declares.
+    pub unit: Name,
+    /// Full name of the function.
+    pub function: Name,
+    /// Name of the input.
+    pub input: Name,
+    /// Place of the call.
+    pub span: Span,
 }
 
 /// `transition(from, to, condition, immediate, reset, synchronize, priority)`
@@ -307,6 +324,7 @@ impl FlatModel {
             functions: IndexVec::new(),
             experiment: Experiment::default(),
             unitless_literals: FastSet::default(),
+            argument_units: Vec::new(),
             recorded: Vec::new(),
             synthetic: Vec::new(),
             delays: Vec::new(),

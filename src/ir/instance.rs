@@ -45,6 +45,9 @@ pub struct ClassInstance {
     pub holder: InstanceId,
     /// Local classes that have been redeclared.
     pub redeclared: Rc<[Redeclaration]>,
+    /// The modification of the constraining clause of the class that this one replaces, and that class: names in the
+    /// modification are looked up around it.
+    pub constraint: Option<(Arc<ast::Modification>, ClassId)>,
 }
 
 /// The definition of a class.

@@ -180,11 +180,13 @@ pub enum DiscreteUnknown {
     Relation(u32, Slot),
 }
 
-/// One of the three sequences of [`Blocks`].
+/// One of the sequences of [`Blocks`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Sequence {
     /// `blocks.initial`
     Initial,
+    /// `blocks.initial_by_states`
+    InitialByStates,
     /// `blocks.event`
     Event,
     /// `blocks.continuous`
@@ -418,6 +420,8 @@ pub struct Tapes {
     pub parameters: Tape,
     /// The initial sequence.
     pub initial: Tape,
+    /// The initial sequence with loops torn at states; empty if it would be the same.
+    pub initial_by_states: Tape,
     /// The event sequence, with relations, `reinit`s, assertions and terminations.
     pub event: Tape,
     /// Expressions that change at events only.
@@ -458,6 +462,8 @@ pub struct Events {
     pub relation_triggers: Vec<RelationTrigger>,
     /// Relations that `initial` reads before it can evaluate them.
     pub lagged_initial: Vec<u32>,
+    /// Relations that `initial_by_states` reads before it can evaluate them.
+    pub lagged_by_states: Vec<u32>,
     /// Relations that `event` reads before it can evaluate them.
     pub lagged_event: Vec<u32>,
     /// Clocks.
@@ -566,6 +572,7 @@ impl Program {
         let mut all = vec![
             ("parameters", &tapes.parameters),
             ("initial", &tapes.initial),
+            ("initial by states", &tapes.initial_by_states),
             ("event", &tapes.event),
             ("discrete", &tapes.discrete),
             ("rhs", &tapes.rhs),
@@ -589,6 +596,7 @@ impl Program {
         let own = [
             &mut tapes.parameters,
             &mut tapes.initial,
+            &mut tapes.initial_by_states,
             &mut tapes.event,
             &mut tapes.discrete,
             &mut tapes.rhs,

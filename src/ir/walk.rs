@@ -364,7 +364,8 @@ impl Blocks {
     /// Calls `visit` with every expression of the system and its blocks but those of functions.
     pub fn for_each_expression(&self, visit: &mut dyn FnMut(ExprId)) {
         self.dae.for_each_expression(visit);
-        for block in self.initial.iter().chain(&self.event).chain(&self.continuous) {
+        let starts = self.initial.iter().chain(&self.initial_by_states);
+        for block in starts.chain(&self.event).chain(&self.continuous) {
             block.for_each_expression(visit);
         }
         self.state_sets.iter().flat_map(|s| &s.jacobian).for_each(|(_, _, e)| visit(*e));

@@ -3,9 +3,14 @@
 //! P. Deuflhard, *Newton Methods for Nonlinear Problems* (2004), sec. 3.3: the natural monotonicity
 //! test. Progress is measured by corrections `J^-1 g` in units of the unknowns, so the residuals
 //! need no scaling of their own: the equations of a model mix pascals, newtons and square metres.
+//! Where equations repeat each other, the shortest correction takes the place of the only one.
 
 use super::linear::DenseLu;
 use super::norm::{first_non_finite, weighted_rms, worst_component};
+use super::pseudo_inverse::PseudoInverse;
+
+/// Largest number of unknowns of a singular system that is solved as far as it is determined.
+const MOST_DECOMPOSED: usize = 100;
 
 /// The equations to solve. Both functions may use memory of their own.
 pub trait NonlinearSystem {
@@ -60,6 +65,8 @@ pub enum NewtonOutcome {
         iterations: u32,
         /// Weighted size of the last correction.
         accuracy: f64,
+        /// An unknown that the equations leave undetermined: they repeat each other.
+        undetermined: Option<usize>,
     },
     /// The Jacobian is singular; the unknown of this column is not determined.
     Singular {
@@ -81,6 +88,8 @@ pub enum NewtonOutcome {
 /// The solver with its memory, for systems of one order.
 pub struct Newton {
     lu: DenseLu,
+    /// In place of factors, if the last matrix was singular, and the unknown that it does not determine.
+    singular: Option<(PseudoInverse, usize)>,
     jacobian: Vec<f64>,
     start: Vec<f64>,
     weights: Vec<f64>,
@@ -96,6 +105,7 @@ impl Newton {
         let zeros = || vec![0.0; n];
         Newton {
             lu: DenseLu::new(n),
+            singular: None,
             jacobian: vec![0.0; n * n],
             start: zeros(),
             weights: zeros(),
@@ -138,7 +148,7 @@ impl Newton {
         }
         if self.correction.iter().all(|g| *g == 0.0) {
             // Also if the Jacobian is singular here: a solution needs no correction.
-            return NewtonOutcome::Converged { iterations: 0, accuracy: 0.0 };
+            return NewtonOutcome::Converged { iterations: 0, accuracy: 0.0, undetermined: None };
         }
         for iterations in 1..=settings.max_iterations {
             self.set_weights(z, region);
@@ -146,7 +156,9 @@ impl Newton {
                 return ending;
             }
             // `correction` holds the residual at z and becomes the Newton correction.
-            self.lu.solve_in_place(&mut self.correction);
+            if let Err(column) = self.correct() {
+                return NewtonOutcome::Singular { column };
+            }
             let size = weighted_rms(&self.correction, &self.weights);
             if !size.is_finite() {
                 return NewtonOutcome::Singular { column: self.worst() };
@@ -154,7 +166,7 @@ impl Newton {
             let stagnates = size <= settings.stagnation && size >= 0.5 * smallest;
             if size <= settings.tolerance || stagnates {
                 subtract(z, &self.correction, region);
-                return NewtonOutcome::Converged { iterations, accuracy: size };
+                return self.converged(iterations, size);
             }
             smallest = smallest.min(size);
 
@@ -162,7 +174,7 @@ impl Newton {
                 Err(ending) => return ending,
                 Ok(DampedStep::Moved) => {}
                 Ok(DampedStep::Finished { accuracy }) => {
-                    return NewtonOutcome::Converged { iterations, accuracy };
+                    return self.converged(iterations, accuracy);
                 }
             }
         }
@@ -216,7 +228,12 @@ impl Newton {
         settings: &NewtonSettings,
     ) -> Option<DampedStep> {
         self.trial_correction.copy_from_slice(&self.trial_residual);
-        self.lu.solve_in_place(&mut self.trial_correction);
+        match &self.singular {
+            None => self.lu.solve_in_place(&mut self.trial_correction),
+            Some((inverse, _)) => {
+                inverse.solve_in_place(&mut self.trial_correction);
+            }
+        }
         let next = weighted_rms(&self.trial_correction, &self.weights);
         if !(next <= (1.0 - 0.25 * damping) * size) {
             // At the rounding limit, corrections no longer become smaller.
@@ -249,9 +266,35 @@ impl Newton {
         if let Some(entry) = first_non_finite(&self.jacobian) {
             return Err(NewtonOutcome::NonFinite { residual: entry % z.len() });
         }
-        self.lu
-            .factor(&self.jacobian)
-            .map_err(|singular| NewtonOutcome::Singular { column: singular.column })
+        self.singular = None;
+        let Err(singular) = self.lu.factor(&self.jacobian) else { return Ok(()) };
+        let column = singular.column;
+        let failed = NewtonOutcome::Singular { column };
+        if z.len() > MOST_DECOMPOSED {
+            return Err(failed);
+        }
+        let inverse = PseudoInverse::new(z.len(), &self.jacobian).ok_or(failed)?;
+        self.singular = Some((inverse, column));
+        Ok(())
+    }
+
+    /// Turns the residual in `correction` into the correction: the shortest one if the matrix is singular, or the
+    /// unknown that is not determined if there is none.
+    fn correct(&mut self) -> Result<(), usize> {
+        match &self.singular {
+            None => self.lu.solve_in_place(&mut self.correction),
+            Some((inverse, column)) => {
+                if !inverse.solve_in_place(&mut self.correction) {
+                    return Err(*column);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn converged(&self, iterations: u32, accuracy: f64) -> NewtonOutcome {
+        let undetermined = self.singular.as_ref().map(|(_, column)| *column);
+        NewtonOutcome::Converged { iterations, accuracy, undetermined }
     }
 
     fn set_weights(&mut self, z: &[f64], region: Region) {
@@ -459,6 +502,30 @@ mod tests {
         assert_eq!(ending, NewtonOutcome::NonFinite { residual: 1 });
     }
 
+    /// Two equations that say the same leave a line of solutions; the nearest one is found.
+    #[test]
+    fn repeated_equations_are_solved_as_far_as_they_determine() {
+        let mut system = equations(
+            |z: &[f64], g: &mut [f64]| {
+                let sum = (z[0] + z[1]).exp() - 2.0;
+                g.copy_from_slice(&[sum, -sum]);
+            },
+            |z: &[f64], j: &mut [f64]| {
+                let slope = (z[0] + z[1]).exp();
+                j.copy_from_slice(&[slope, -slope, slope, -slope]);
+            },
+        );
+        let mut z = [0.5, 0.3];
+        let settings = NewtonSettings::default();
+        let ending = Newton::new(2).solve(&mut system, &mut z, free(&[1.0; 2]), &settings);
+        assert!(
+            matches!(ending, NewtonOutcome::Converged { undetermined: Some(_), .. }),
+            "{ending:?}"
+        );
+        assert!((z[0] + z[1] - 2.0_f64.ln()).abs() < 1e-14);
+        assert!((z[0] - z[1] - 0.2).abs() < 1e-14);
+    }
+
     /// A residual that is zero up to rounding of large terms cannot be improved, and is accepted.
     #[test]
     fn rounding_in_the_residual_is_accepted() {
@@ -487,7 +554,8 @@ mod tests {
         let mut z = [0.0];
         let region = Region { nominal: &[1.0], bounds: None };
         let ending = Newton::new(1).solve(&mut counted, &mut z, region, &NewtonSettings::default());
-        assert_eq!(ending, NewtonOutcome::Converged { iterations: 0, accuracy: 0.0 });
+        let exact = NewtonOutcome::Converged { iterations: 0, accuracy: 0.0, undetermined: None };
+        assert_eq!(ending, exact);
         assert_eq!((z[0], counted.residuals, counted.jacobians), (0.0, 1, 0));
     }
 }

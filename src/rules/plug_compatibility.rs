@@ -87,6 +87,9 @@ fn check_own_constraint(cx: &mut ClassGraph<'_>, id: InstanceId, entry: &Entry) 
     }
 }
 
+/// Names of a class that are followed.
+const MOST_RENAMINGS: usize = 20;
+
 /// Whether the outermost redeclaration names the same class as the next one, such as those of a
 /// component and of its constraining clause, both of which hold (section 7.3.2).
 fn repeats(cx: &mut ClassGraph<'_>, id: InstanceId, text: Name, found: &[Replacement]) -> bool {
@@ -100,7 +103,28 @@ fn repeats(cx: &mut ClassGraph<'_>, id: InstanceId, text: Name, found: &[Replace
         },
         _ => replaced(cx, id, text, r),
     });
-    matches!(both, [Some(a), Some(b)] if is_same(cx, a, b))
+    let [Some(a), Some(b)] = both else { return false };
+    let (a, b) = (without_renaming(cx, a), without_renaming(cx, b));
+    is_same(cx, a, b)
+}
+
+/// The class that another one is a mere name of: `package Medium = Water` is `Water`.
+fn without_renaming(cx: &mut ClassGraph<'_>, mut class: ClassId) -> ClassId {
+    for _ in 0..MOST_RENAMINGS {
+        let is_renaming = cx.definition(class).is_some_and(|text| match &text.body {
+            ClassBody::Short(short) => short.modification.is_none(),
+            _ => false,
+        });
+        if !is_renaming || cx.table_in_progress(class) {
+            break;
+        }
+        let table = cx.table(class);
+        match table.bases.first().filter(|_| table.dims.is_empty()) {
+            Some(base) => class = *base,
+            None => break,
+        }
+    }
+    class
 }
 
 fn is_compatible(

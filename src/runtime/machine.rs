@@ -95,6 +95,8 @@ pub struct Machine<'p> {
     /// Allows nonlinear blocks to switch to another solution branch at a fold. The integrator first
     /// tries whether a shorter step stays on the current branch.
     pub branch_switch: bool,
+    /// Starts by the initial sequence whose loops are torn at states.
+    pub starts_by_states: bool,
     /// Clamps the arguments of functions to their domain.
     pub clamp_domain: bool,
     /// Executes mixed blocks once instead of iterating them, and solves inconsistent linear
@@ -145,6 +147,7 @@ impl<'p> Machine<'p> {
             endless_calls: 0,
             executed_in_functions: 0,
             branch_switch: true,
+            starts_by_states: false,
             clamp_domain: false,
             relaxed: false,
             still_changing: false,

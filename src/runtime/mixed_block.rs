@@ -73,11 +73,17 @@ impl MixedBlockSolver {
     fn iterate(&mut self, machine: &mut Machine<'_>, k: usize) -> Result<(), Fault> {
         let mixed = &machine.program.routines.mixed_blocks[k];
         let mut unknown = 0;
+        let mut recurred = false;
         self.cycle.restart();
         for _ in 0..ITERATION_LIMIT {
             self.record_values(machine);
             if self.cycle.repeats(&self.previous) {
-                break;
+                // Unknowns that nothing determines now start from where they are.
+                if recurred || machine.undetermined.is_none() {
+                    break;
+                }
+                recurred = true;
+                self.cycle.restart();
             }
             machine.run(&mixed.tape)?;
             match self.first_change(machine) {

@@ -7,6 +7,7 @@
 
 pub mod block_matrix;
 pub mod delay;
+mod far_solution;
 pub mod frame;
 pub mod host;
 pub mod input_signals;

@@ -10,6 +10,7 @@ use crate::numeric::newton::{Newton, NewtonOutcome, NewtonSettings, NonlinearSys
 use crate::numeric::pseudo_inverse::PseudoInverse;
 
 use super::block_matrix::SparseBlock;
+use super::far_solution::FarSolution;
 use super::machine::{Fault, Machine};
 
 /// Working memory for a torn block.
@@ -106,31 +107,14 @@ impl TornBlockSolver {
                     region.bounds = None;
                     ending = newton.solve(&mut equations, &mut self.z, region, &settings);
                 }
-                let branch_switch = equations.machine.branch_switch;
-                if branch_switch
-                    && self.z.len() == 1
-                    && !matches!(ending, NewtonOutcome::Converged { .. })
-                {
-                    // The current solution branch may have ended at a fold.
-                    let found = other_branch(&mut equations, self.start[0], self.nominal[0]);
-                    // If there is none, report where the iteration from the start value ended.
-                    self.z[0] = found.unwrap_or(self.start[0]);
-                    region.bounds = None;
-                    ending = newton.solve(&mut equations, &mut self.z, region, &settings);
+                let may_search = equations.machine.branch_switch;
+                if may_search && !matches!(ending, NewtonOutcome::Converged { .. }) {
+                    region.bounds = bounds;
+                    let mut search = FarSolution { newton, equations: &mut equations, region };
+                    ending = search.find(&mut self.z, ending);
                 }
-                if branch_switch
-                    && self.z.len() > 1
-                    && !matches!(ending, NewtonOutcome::Converged { .. })
-                {
-                    region.bounds = None;
-                    ending = from_displaced_starts(
-                        newton,
-                        &mut equations,
-                        &mut self.z,
-                        &self.start,
-                        region,
-                        ending,
-                    );
+                if let NewtonOutcome::Converged { undetermined: Some(unknown), .. } = ending {
+                    equations.machine.undetermined.get_or_insert((k, unknown));
                 }
                 let fault = equations.fault;
                 to_result(ending, k, fault)?;
@@ -143,88 +127,6 @@ impl TornBlockSolver {
         machine.run(&torn_block.residual_tape)
     }
 }
-
-/// The root of a scalar equation nearest to `start`, found by searching outwards for a sign change
-/// and bisecting. Jumps and poles also change sign; they are rejected.
-fn other_branch(equations: &mut BlockEquations<'_, '_>, start: f64, nominal: f64) -> Option<f64> {
-    let mut value = |z: f64| {
-        let mut g = [0.0];
-        (equations.residual(&[z], &mut g) && g[0].is_finite()).then_some(g[0])
-    };
-    let centre = value(start)?;
-    let mut sides = [(start, centre), (start, centre)];
-    for k in 0..DOUBLINGS {
-        let step = FIRST_STEP * nominal * f64::exp2(f64::from(k));
-        for (side, sign) in sides.iter_mut().zip([1.0, -1.0]) {
-            let z = start + sign * step;
-            let Some(g) = value(z) else { continue };
-            let before = std::mem::replace(side, (z, g));
-            if before.1.signum() != g.signum() {
-                let (mut a, mut b) = (before, (z, g));
-                let size = a.1.abs().max(b.1.abs());
-                for _ in 0..BISECTIONS {
-                    let middle = 0.5 * (a.0 + b.0);
-                    let Some(g) = value(middle) else { break };
-                    let end = if g.signum() == a.1.signum() { &mut a } else { &mut b };
-                    *end = (middle, g);
-                }
-                let (z, g) = if a.1.abs() < b.1.abs() { a } else { b };
-                if g.abs() <= 1e-6 * size {
-                    return Some(z);
-                }
-            }
-        }
-    }
-    None
-}
-
-/// Restarts Newton's method from points around `start`, nearest first, displacing one unknown at a
-/// time.
-fn from_displaced_starts(
-    newton: &mut Newton,
-    equations: &mut BlockEquations<'_, '_>,
-    z: &mut [f64],
-    start: &[f64],
-    region: Region<'_>,
-    failed: NewtonOutcome,
-) -> NewtonOutcome {
-    let settings = NewtonSettings::default();
-    if z.len() > MAX_SEARCHED_UNKNOWNS {
-        return failed;
-    }
-    for k in 0..DISPLACEMENTS {
-        let size = FIRST_DISPLACEMENT * DISPLACEMENT_GROWTH.powi(k);
-        for j in 0..z.len() {
-            for sign in [1.0, -1.0] {
-                z.copy_from_slice(start);
-                z[j] += sign * size * region.nominal[j];
-                let ending = newton.solve(equations, z, region, &settings);
-                if matches!(ending, NewtonOutcome::Converged { .. }) {
-                    return ending;
-                }
-            }
-        }
-    }
-    z.copy_from_slice(start);
-    let _ = newton.solve(equations, z, region, &settings);
-    failed
-}
-
-/// Maximum number of unknowns of blocks that are searched for other branches.
-const MAX_SEARCHED_UNKNOWNS: usize = 12;
-/// First displacement of an unknown, in nominal values.
-const FIRST_DISPLACEMENT: f64 = 1e-3;
-/// Number of displacements of each unknown.
-const DISPLACEMENTS: i32 = 8;
-/// Factor from one displacement to the next.
-const DISPLACEMENT_GROWTH: f64 = 8.0;
-
-/// First step of the search for another branch, in nominal values of the unknown.
-const FIRST_STEP: f64 = 1e-6;
-/// Number of times that step is doubled.
-const DOUBLINGS: u32 = 60;
-/// Number of bisections; more would not change the result.
-const BISECTIONS: u32 = 100;
 
 impl TornBlockSolver {
     /// Restores the start values after a failure, so that the next attempt starts from the last
@@ -362,9 +264,9 @@ impl Linear {
 }
 
 /// The equations of a nonlinear block for Newton's method.
-struct BlockEquations<'a, 'p> {
-    machine: &'a mut Machine<'p>,
-    torn_block: usize,
+pub(super) struct BlockEquations<'a, 'p> {
+    pub(super) machine: &'a mut Machine<'p>,
+    pub(super) torn_block: usize,
     fault: Option<Fault>,
 }
 

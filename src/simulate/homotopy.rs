@@ -16,13 +16,19 @@ const FIRST: f64 = 0.25;
 const SHORTEST: f64 = 1e-4;
 
 /// Guesses for the slots of the actual program, if the continuation reaches `lambda = 1`.
-pub fn follow(continuation: &Continuation, settings: &Settings) -> Option<Vec<(Slot, f64)>> {
+/// `by_states` says whether loops are torn at states.
+pub fn follow(
+    continuation: &Continuation,
+    settings: &Settings,
+    by_states: bool,
+) -> Option<Vec<(Slot, f64)>> {
     let Continuation { program, lambda, slots } = continuation;
     let names = settings.parameters.iter().chain(&settings.starts);
     // Both programs have the same numbering of variables.
     debug_assert!(names.clone().all(|(v, _)| v != lambda));
     let mut settings = settings.clone();
     let mut machine = Machine::new(program);
+    machine.starts_by_states = by_states && !program.tapes.initial_by_states.is_empty();
     let given = settings.parameters.len();
     let mut start_at = |at: f64, guess: &[(Slot, f64)]| {
         settings.parameters.truncate(given);

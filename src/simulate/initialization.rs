@@ -51,7 +51,13 @@ pub fn initialise(machine: &mut Machine<'_>, settings: &Settings) -> Result<Star
         // of the first attempt.
         Err(StartError::Event(_)) => {
             let saved = (machine.memory.clone(), machine.fault_memory.clone(), machine.fault);
-            initialise_from(machine, settings, &[]).or_else(|_| {
+            let far = initialise_from(machine, settings, &[]);
+            let differs = !machine.program.tapes.initial_by_states.is_empty();
+            let found = match far {
+                Err(_) if differs => from_states(machine, settings),
+                far => far,
+            };
+            found.or_else(|_| {
                 (machine.memory, machine.fault_memory, machine.fault) = saved;
                 started
             })
@@ -60,12 +66,20 @@ pub fn initialise(machine: &mut Machine<'_>, settings: &Settings) -> Result<Star
     }
 }
 
+/// Initializes by the sequence whose loops are torn at states.
+fn from_states(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start, StartError> {
+    machine.starts_by_states = true;
+    let started = from_homotopy(machine, settings);
+    machine.starts_by_states = false;
+    started
+}
+
 /// Initializes by homotopy if the model provides a simplified system, else from the start values.
 /// Among several solutions, the one reached by homotopy is intended (Modelica specification 3.6,
 /// section 3.7.4.4).
 fn from_homotopy(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start, StartError> {
     if let Some(continuation) = &machine.program.continuation
-        && let Some(guess) = homotopy::follow(continuation, settings)
+        && let Some(guess) = homotopy::follow(continuation, settings, machine.starts_by_states)
         && let Ok(start) = initialise_from(machine, settings, &guess)
     {
         return Ok(start);

@@ -17,13 +17,23 @@ use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::VarId;
 use crate::ir::flat::StateSelect;
 
-/// The blocks of initialization, and the variables whose start values had to be assumed.
+/// The initialization in order.
+pub struct InitialSequence {
+    /// See [`Blocks::initial`](crate::ir::blocks::Blocks::initial).
+    pub blocks: Vec<Block>,
+    /// See [`Blocks::initial_by_states`](crate::ir::blocks::Blocks::initial_by_states).
+    pub by_states: Vec<Block>,
+    /// The variables whose start values had to be assumed.
+    pub assumed: Vec<VarId>,
+}
+
+/// The blocks of initialization.
 pub fn sequence(
     dae: &mut Dae,
     is_state: &IndexVec<VarId, bool>,
     zeros: &StructuralZeros,
     problems: &mut Problems,
-) -> Option<(Vec<Block>, Vec<VarId>)> {
+) -> Option<InitialSequence> {
     let contradicted = redundant_initial::contradicted_constants(dae);
     if !contradicted.is_empty() {
         problems.push(explain::contradicted_constants(dae, &contradicted));
@@ -56,7 +66,22 @@ pub fn sequence(
     };
     let mut starts = starts;
     starts.sort_unstable();
-    Some((sort::sequence(dae, &system, &matched), starts))
+    let blocks = sort::sequence(dae, &system, &matched);
+    let is_preferred = |v: VarId| is_state[v];
+    let by_states = match blocks.iter().any(|block| has_hidden_state(block, &is_preferred)) {
+        true => sort::sequence_torn_at(dae, &system, &matched, &is_preferred),
+        false => Vec::new(),
+    };
+    Some(InitialSequence { blocks, by_states, assumed: starts })
+}
+
+/// Whether a nonlinear loop is not torn at a state that it contains.
+fn has_hidden_state(block: &Block, is_state: &dyn Fn(VarId) -> bool) -> bool {
+    match block {
+        Block::Assign(_) => false,
+        Block::Torn(torn) => !torn.linear && torn.explicit.iter().any(|a| is_state(a.variable)),
+        Block::Mixed(parts) => parts.iter().any(|part| has_hidden_state(part, is_state)),
+    }
 }
 
 /// A maximum matching that prefers columns of low class and avoids structural zeros where possible.

@@ -69,7 +69,7 @@ pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
     }
     let zeros = reduced_zeros;
     // Initialization precedes the dynamic selection of states.
-    let (initial, assumed_starts) = initial::sequence(&mut dae, &is_state, &zeros, problems)?;
+    let start = initial::sequence(&mut dae, &is_state, &zeros, problems)?;
     let state_sets = dynamic_selection::state_sets(&mut dae, &pivots, &mut is_state);
     if !state_sets.is_empty() {
         (system, matched) = self::matched(&dae, &is_state, &zeros, problems)?;
@@ -87,10 +87,11 @@ pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
         states,
         dummies,
         state_sets,
-        initial,
+        initial: start.blocks,
+        initial_by_states: start.by_states,
         event,
         continuous,
-        assumed_starts,
+        assumed_starts: start.assumed,
         undetermined,
     })
 }

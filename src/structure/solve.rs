@@ -47,7 +47,9 @@ pub fn explicit(dae: &mut Dae, source: Source, v: VarId) -> Option<ExprId> {
             return Some(dae.graph.div(b, other));
         }
     }
-    let (coefficient, rest) = linear::split(&mut dae.graph, residual, Leaf::Var(v))?;
+    let Some((coefficient, rest)) = linear::split(&mut dae.graph, residual, Leaf::Var(v)) else {
+        return inverted(dae, lhs, rhs, v).or_else(|| inverted(dae, rhs, lhs, v));
+    };
     if !is_never_zero(dae, coefficient) {
         return None;
     }
@@ -59,6 +61,40 @@ pub fn explicit(dae: &mut Dae, source: Source, v: VarId) -> Option<ExprId> {
     }
     let opposite = dae.graph.neg(rest);
     Some(dae.graph.div(opposite, coefficient))
+}
+
+/// The value of `v` by `side = other`, if `v` stands in one place of `side` alone, inside of logarithms and exponential
+/// functions, sums, and products with what cannot vanish. The inverse functions exist for all values, or are refused
+/// at run time as the functions are.
+fn inverted(dae: &mut Dae, side: ExprId, other: ExprId, v: VarId) -> Option<ExprId> {
+    let (mut side, mut value) = (side, other);
+    let reads = |dae: &Dae, e: ExprId| dae.graph.any([e], |_, node| node == Node::Var(v));
+    if reads(dae, other) {
+        return None;
+    }
+    while dae.graph.node(side) != Node::Var(v) {
+        (side, value) = match dae.graph.node(side) {
+            Node::Unary(Unary::Log, a) => (a, dae.graph.unary(Unary::Exp, value)),
+            Node::Unary(Unary::Exp, a) => (a, dae.graph.unary(Unary::Log, value)),
+            Node::Unary(Unary::Log10, a) => {
+                let ten = dae.graph.real(10.0);
+                (a, dae.graph.pow(ten, value))
+            }
+            Node::Unary(Unary::Neg, a) => (a, dae.graph.neg(value)),
+            Node::Binary(op, a, b) => match (op, reads(dae, a), reads(dae, b)) {
+                (Binary::Add, true, false) => (a, dae.graph.sub(value, b)),
+                (Binary::Add, false, true) => (b, dae.graph.sub(value, a)),
+                (Binary::Sub, true, false) => (a, dae.graph.add(value, b)),
+                (Binary::Sub, false, true) => (b, dae.graph.sub(a, value)),
+                (Binary::Mul, true, false) if is_never_zero(dae, b) => (a, dae.graph.div(value, b)),
+                (Binary::Mul, false, true) if is_never_zero(dae, a) => (b, dae.graph.div(value, a)),
+                (Binary::Div, true, false) => (a, dae.graph.mul(value, b)),
+                _ => return None,
+            },
+            _ => return None,
+        };
+    }
+    Some(value)
 }
 
 /// The expression that must be zero.

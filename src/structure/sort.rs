@@ -2,6 +2,7 @@
 
 use super::error_growth::ErrorGrowth;
 use super::incidence::EquationSystem;
+use super::tear::Tearing;
 use super::{solve, tear};
 use crate::base::index::FastMap;
 use crate::graph::bipartite::{Bipartite, Col, Row};
@@ -9,14 +10,25 @@ use crate::graph::matching::Matching;
 use crate::graph::scc;
 use crate::ir::blocks::{Assignment, Block, Residual, Source, Torn};
 use crate::ir::dae::Dae;
+use crate::ir::expr::VarId;
 use crate::symbolic::linear;
 
 /// The blocks of a system in order of evaluation (block lower triangular form).
 pub fn sequence(dae: &mut Dae, system: &EquationSystem, matching: &Matching) -> Vec<Block> {
-    let mut growth = ErrorGrowth::default();
+    sequence_torn_at(dae, system, matching, &|_| false)
+}
+
+/// As [`sequence`], with loops torn at these variables first.
+pub fn sequence_torn_at(
+    dae: &mut Dae,
+    system: &EquationSystem,
+    matching: &Matching,
+    is_preferred: &dyn Fn(VarId) -> bool,
+) -> Vec<Block> {
+    let mut tearing = Tearing { growth: ErrorGrowth::default(), is_preferred };
     scc::blocks(&system.graph, matching)
         .iter()
-        .map(|pairs| block(dae, system, pairs, &mut growth))
+        .map(|pairs| block(dae, system, pairs, &mut tearing))
         .collect()
 }
 
@@ -24,13 +36,13 @@ fn block(
     dae: &mut Dae,
     system: &EquationSystem,
     pairs: &[(Row, Col)],
-    growth: &mut ErrorGrowth,
+    tearing: &mut Tearing<'_>,
 ) -> Block {
     let (discrete, continuous): (Vec<_>, Vec<_>) =
         pairs.iter().partition(|(row, _)| matches!(system.sources[*row], Source::Discrete(_)));
     match (&discrete[..], &continuous[..]) {
         ([], [single]) => single_equation(dae, system, *single),
-        ([], _) => Block::Torn(tear::tear(dae, system, pairs, growth)),
+        ([], _) => Block::Torn(tear::tear(dae, system, pairs, tearing)),
         ([single], []) => match assignment(dae, system, *single) {
             Some(assignment) => Block::Assign(assignment),
             None => Block::Mixed(discrete_assignments(dae, system, &discrete)),
@@ -38,7 +50,7 @@ fn block(
         _ => {
             let mut parts = Vec::new();
             for inner in ordered(system, &continuous) {
-                parts.push(block(dae, system, &inner, growth));
+                parts.push(block(dae, system, &inner, tearing));
             }
             parts.extend(discrete_assignments(dae, system, &discrete));
             Block::Mixed(parts)

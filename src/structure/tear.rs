@@ -5,19 +5,27 @@ use super::incidence::EquationSystem;
 use super::{error_growth, solve, sort};
 use crate::base::index::{FastMap, FastSet, IndexVec};
 use crate::graph::bipartite::{Bipartite, Col, Edge, Row};
-use crate::graph::tearing;
+use crate::graph::tearing::{self, TearingSelect};
 use crate::ir::blocks::{Assignment, Residual, Torn};
 use crate::ir::dae::Dae;
 use crate::ir::expr::{ExprId, Node, VarId};
 use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::linear;
 
+/// How blocks are torn.
+pub struct Tearing<'a> {
+    /// What is known of the growth of rounding errors.
+    pub growth: ErrorGrowth,
+    /// Variables at which nonlinear blocks are torn first.
+    pub is_preferred: &'a dyn Fn(VarId) -> bool,
+}
+
 /// Tears a block of equations that must be solved together.
 pub fn tear(
     dae: &mut Dae,
     system: &EquationSystem,
     pairs: &[(Row, Col)],
-    growth: &mut ErrorGrowth,
+    tearing: &mut Tearing<'_>,
 ) -> Torn {
     let (graph, _) = sort::subgraph(system, pairs);
     let unknowns: IndexVec<Col, VarId> = pairs.iter().map(|p| system.unknowns[p.1]).collect();
@@ -28,10 +36,14 @@ pub fn tear(
     let Coefficients { partials, mut solvable } =
         coefficients(dae, &graph, &residuals, &unknowns, &members);
     let sizes = (linear && pairs.len() >= LONG_SEQUENCE)
-        .then(|| growth.scaled_sizes(dae, &graph, &partials));
+        .then(|| tearing.growth.scaled_sizes(dae, &graph, &partials));
+    let select = match linear {
+        true => IndexVec::new(),
+        false => unknowns.iter().map(|v| select((tearing.is_preferred)(*v))).collect(),
+    };
     let source = |row: Row| system.sources[pairs[row.0 as usize].0];
     loop {
-        let torn = tearing::tear(&graph, &solvable, &IndexVec::new());
+        let torn = tearing::tear(&graph, &solvable, &select);
         let unstable = sizes
             .as_ref()
             .map(|s| error_growth::unstable_edges(&graph, s, &torn))
@@ -68,6 +80,10 @@ pub fn tear(
             linear,
         };
     }
+}
+
+fn select(is_preferred: bool) -> TearingSelect {
+    if is_preferred { TearingSelect::Prefer } else { TearingSelect::Default }
 }
 
 /// What is known of each incidence.

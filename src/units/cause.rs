@@ -18,6 +18,10 @@ causes! {
         warning MO0323 OtherScale { left: String, left_unit: String, right: String, right_unit: String }
             => ("units do not match: `{left}` is in {left_unit}, and `{right}` in {right_unit}"),
             help("convert one of them, or declare both in the same unit; `displayUnit` changes only what is shown");
+        /// An argument of a function has another unit than the input that it is given for.
+        warning MO0328 OtherUnitOfArgument { function: String, input: String, unit: String, text: String, text_unit: String }
+            => ("units do not match: the input `{input}` of `{function}` is in `{unit}`, and `{text}` in {text_unit}"),
+            help("convert the argument, or correct one of the units; `displayUnit` changes only what is shown");
         /// The unit of a variable is unknown.
         warning MO0324 UnknownUnit { unit: String, near: Option<String> } (section "19.1")
             => ("unknown unit `{unit}`"),

@@ -2,7 +2,8 @@
 //!
 //! *In:* an [`ir::flat`](crate::ir::flat) model. *Out:* a warning for each unknown unit, and for
 //! each equation or binding whose two sides, or two terms, have different units: of another
-//! dimension, or of another size or zero, such as bar and Pa, or degC and K. Variables without a
+//! dimension, or of another size or zero, such as bar and Pa, or degC and K; likewise for each
+//! argument of a function and the input that it is given for. Variables without a
 //! unit get the one that the equations require; units that remain unknown are not compared. Each
 //! iteration makes two passes over the graph; the number of iterations is the length of the longest
 //! chain of inferences, at most [`MAX_ITERATIONS`].
@@ -22,13 +23,16 @@ use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::builtin::{BinaryUnit, UnaryUnit};
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
-use crate::ir::flat::{Action, EquationKind, FlatModel};
+use crate::ir::flat::{Action, EquationKind, FlatModel, UnitOfArgument};
 use cause::UnitCause;
 use quantity::{Difference, Quantity};
 use unit::Unit;
 
 /// Maximum number of iterations of the inference.
 const MAX_ITERATIONS: usize = 40;
+
+/// Bytes between the name of a variable and a call in its binding.
+const FARTHEST_BINDING: u32 = 500;
 
 /// Two expressions that must have the same unit.
 struct ComparedPair {
@@ -71,8 +75,18 @@ pub fn check(flat: &mut FlatModel, problems: &mut Problems) {
     inference.evaluate();
     // Elements of an array and instances of a component share the place of their equation.
     let mut reported: FastSet<Span> = FastSet::default();
+    let mut wrong = Vec::new();
+    for argument in &flat.argument_units {
+        if let Some(d) = inference.wrong_argument(argument)
+            && reported.insert(d.primary.0)
+        {
+            wrong.push(argument);
+            problems.push(d);
+        }
+    }
     for pair in &pairs {
         if let Some(d) = inference.mismatch(pair)
+            && !wrong.iter().any(|argument| inference.follows_from(pair, argument))
             && reported.insert(d.primary.0)
         {
             problems.push(d);
@@ -359,6 +373,33 @@ impl Inference<'_> {
         }
         let difference = self.differ(pair.left, pair.right)?;
         Some(between(difference, pair.left, pair.right))
+    }
+
+    /// Whether a call in a pair, whose body is part of it, has an argument in a wrong unit.
+    fn follows_from(&self, pair: &ComparedPair, argument: &UnitOfArgument) -> bool {
+        let (here, call) = (pair.span, argument.span);
+        // The place of a binding is the name before it.
+        let is_near = here.file == call.file
+            && here.start <= call.start
+            && call.start <= here.end.saturating_add(FARTHEST_BINDING);
+        let is_argument = |e, _| e == argument.value;
+        is_near && self.graph().any([pair.left, pair.right], is_argument)
+    }
+
+    /// The difference between an argument of a call and the input of the function, if it is known.
+    fn wrong_argument(&self, argument: &UnitOfArgument) -> Option<Diagnostic> {
+        let declared = Quantity::declared(Unit::of(&argument.unit)?);
+        let found = self.expressions.get(argument.value).copied().flatten()?;
+        found.difference(declared)?;
+        let cause = UnitCause::OtherUnitOfArgument {
+            function: argument.function.to_string(),
+            input: argument.input.to_string(),
+            unit: argument.unit.to_string(),
+            text: self.text(argument.value),
+            text_unit: self.unit(argument.value),
+        };
+        let d = Diagnostic::new(cause, argument.span);
+        Some(self.with_places(d, [argument.value, argument.value]))
     }
 
     fn is_not_a_number(&self, e: ExprId) -> bool {

@@ -19,6 +19,7 @@ pub fn check(blocks: &Blocks) -> Vec<String> {
     let substitutions: FastMap<VarId, ExprId> = blocks.dae.eliminated.iter().copied().collect();
     let sequences = [
         ("initial", &blocks.initial),
+        ("initial by states", &blocks.initial_by_states),
         ("event", &blocks.event),
         ("continuous", &blocks.continuous),
     ];

@@ -34,7 +34,7 @@ fn the_name_of_a_function_occurs_in_the_table_alone() {
 }
 
 /// Operators that some stage treats apart: operators of algebra, and functions with an identity that is used.
-const SPECIAL: [&str; 28] = [
+const SPECIAL: [&str; 30] = [
     "Neg",
     "Not",
     "Sin",
@@ -47,6 +47,8 @@ const SPECIAL: [&str; 28] = [
     "Floor",
     "Ceil",
     "Log",
+    "Log10",
+    "Exp",
     "External",
     "Carried",
     "Text",

@@ -19,9 +19,17 @@ use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 struct ScalarCounts {
     potentials: usize,
     flows: usize,
-    streams: usize,
+    /// Streams and flows of this connector or one nested in it whose streams are not transported by one flow.
+    untransported: Option<Transport>,
     /// Part of an overconstrained connection graph, where the numbers need not match.
     overdetermined: bool,
+}
+
+/// Numbers of scalar variables of a connector, without those of connectors nested in it.
+#[derive(Clone, Copy, Default)]
+struct Transport {
+    streams: usize,
+    flows: usize,
 }
 
 /// Checks the classes of all connectors among `components`, each class once.
@@ -53,7 +61,7 @@ pub(crate) fn check(cx: &mut Evaluator<'_>, root: InstanceId) {
             let text = cx.definition(class).cloned();
             if seen.insert(class) && text.is_some_and(|t| !t.partial) {
                 let mut counts = ScalarCounts::default();
-                count_scalars(cx, id, &mut counts);
+                count_of_connector(cx, id, &mut counts);
                 report(cx, id, class, &counts);
             }
             continue;
@@ -126,7 +134,21 @@ fn check_conserved(cx: &mut Evaluator<'_>, id: InstanceId) {
     cx.report(ConnectCause::FlowWithoutOperator { path, class, operator }, span);
 }
 
-fn count_scalars(cx: &mut Evaluator<'_>, id: InstanceId, counts: &mut ScalarCounts) {
+/// Counts the variables of a connector. Those of nested connectors count as well, but each has its own streams.
+fn count_of_connector(cx: &mut Evaluator<'_>, id: InstanceId, counts: &mut ScalarCounts) {
+    let mut own = Transport::default();
+    count_scalars(cx, id, counts, &mut own);
+    if own.streams > 0 && own.flows != 1 {
+        counts.untransported.get_or_insert(own);
+    }
+}
+
+fn count_scalars(
+    cx: &mut Evaluator<'_>,
+    id: InstanceId,
+    counts: &mut ScalarCounts,
+    own: &mut Transport,
+) {
     counts.overdetermined |= cx.is_overdetermined(id);
     match cx.instances[id].kind.clone() {
         InstanceKind::Variable { dims, .. } => {
@@ -134,32 +156,46 @@ fn count_scalars(cx: &mut Evaluator<'_>, id: InstanceId, counts: &mut ScalarCoun
             match cx.instances[id].prefix {
                 TypePrefix { variability: Some(v), .. }
                     if v < crate::ir::ast::Variability::Discrete => {}
-                TypePrefix { connection: Some(ConnectionPrefix::Stream), .. } => {
-                    counts.streams += n
+                TypePrefix { connection: Some(ConnectionPrefix::Stream), .. } => own.streams += n,
+                TypePrefix { connection: Some(ConnectionPrefix::Flow), .. } => {
+                    counts.flows += n;
+                    own.flows += n;
                 }
-                TypePrefix { connection: Some(ConnectionPrefix::Flow), .. } => counts.flows += n,
                 TypePrefix { causality: Some(_), .. } => {}
                 _ => counts.potentials += n,
             }
         }
         InstanceKind::Object(children) => {
             check_conserved(cx, id);
-            // The variables of a nested connector count as well.
-            children.iter().for_each(|c| count_scalars(cx, *c, counts));
+            children.iter().for_each(|part| count_part(cx, *part, counts, own));
         }
         InstanceKind::Array { elements, .. } => {
-            elements.iter().for_each(|c| count_scalars(cx, *c, counts));
+            elements.iter().for_each(|part| count_part(cx, *part, counts, own));
         }
         _ => {}
     }
 }
 
+fn count_part(
+    cx: &mut Evaluator<'_>,
+    id: InstanceId,
+    counts: &mut ScalarCounts,
+    own: &mut Transport,
+) {
+    let is_nested =
+        is_connector(cx, id) && matches!(cx.instances[id].kind, InstanceKind::Object(_));
+    match is_nested {
+        true => count_of_connector(cx, id, counts),
+        false => count_scalars(cx, id, counts, own),
+    }
+}
+
 fn report(cx: &mut Evaluator<'_>, id: InstanceId, class: ClassId, counts: &ScalarCounts) {
-    let ScalarCounts { potentials, flows, streams, overdetermined } = *counts;
+    let ScalarCounts { potentials, flows, untransported, overdetermined } = *counts;
     let full_name = cx.classes[class].full_name;
     let name = full_name.rsplit('.').next().unwrap_or_default();
     let declared = cx.definition(class).map_or(Span::NONE, |t| t.name.span);
-    if streams > 0 && flows != 1 {
+    if let Some(Transport { streams, flows }) = untransported {
         let cause = ConnectCause::StreamFlows { connector: name.to_string(), streams, flows };
         cx.class_graph
             .problems

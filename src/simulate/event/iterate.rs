@@ -126,35 +126,34 @@ fn try_strategies<'p, T>(
 
 /// Solves the initial sequence. The Gauss-Seidel strategy sets `pre(v) = v` unless `v` is fixed
 /// (Modelica specification 3.6, section 8.6).
-pub fn solve_initial<'p>(machine: &mut Machine<'p>) -> Result<(), EventError> {
-    let program: &'p Program = machine.program;
+pub fn solve_initial(machine: &mut Machine<'_>) -> Result<(), EventError> {
+    let (tape, lagged) = initial_sequence(machine);
     let outcome = try_strategies(machine, true, |machine, strategy| match strategy {
         Strategy::GaussSeidel => initial_gauss_seidel(machine),
-        _ => solve_relations(
-            machine,
-            &program.tapes.initial,
-            &program.events.lagged_initial,
-            strategy == Strategy::Enumerate,
-        ),
+        _ => solve_relations(machine, tape, lagged, strategy == Strategy::Enumerate),
     });
     // Events are about other relations.
     machine.relation_solutions.clear();
     outcome
 }
 
-fn initial_gauss_seidel<'p>(machine: &mut Machine<'p>) -> Result<(), EventError> {
+/// The initial sequence in use, and the relations that it reads before it can evaluate them.
+fn initial_sequence<'p>(machine: &Machine<'p>) -> (&'p Tape, &'p [u32]) {
     let program: &'p Program = machine.program;
+    match machine.starts_by_states {
+        true => (&program.tapes.initial_by_states, &program.events.lagged_by_states),
+        false => (&program.tapes.initial, &program.events.lagged_initial),
+    }
+}
+
+fn initial_gauss_seidel(machine: &mut Machine<'_>) -> Result<(), EventError> {
+    let (tape, lagged) = initial_sequence(machine);
     for _ in 0..ITERATION_LIMIT {
-        relaxed_pass(machine, &program.tapes.initial, &program.events.lagged_initial)?;
+        relaxed_pass(machine, tape, lagged)?;
         update_free_pre(machine);
         if !machine.still_changing {
             // Confirm the fixed point by a direct solution.
-            return solve_relations(
-                machine,
-                &program.tapes.initial,
-                &program.events.lagged_initial,
-                false,
-            );
+            return solve_relations(machine, tape, lagged, false);
         }
     }
     Err(EventError::NotConverged(Vec::new(), Vec::new()))

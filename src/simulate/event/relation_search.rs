@@ -57,11 +57,17 @@ fn iterate_relations<'p>(
     let mut values: Vec<f64> = Vec::with_capacity(lagged.len());
     let mut changing = Vec::new();
     let mut cycle = CycleDetector::default();
+    let mut recurred = false;
     for _ in 0..ITERATION_LIMIT {
         values.clear();
         values.extend(lagged.iter().map(|k| machine.get(first + k)));
         if cycle.repeats(&values) {
-            break;
+            // Unknowns that nothing determines now start from where they are.
+            if recurred || machine.undetermined.is_none() {
+                break;
+            }
+            recurred = true;
+            cycle.restart();
         }
         machine.run(tape)?;
         changing.clear();

@@ -343,6 +343,7 @@ fn written_out(program: &Program, graph: &mut Graph, e: ExprId) -> ExprId {
 fn blocks_of(program: &Program, sequence: Sequence) -> &[Block] {
     match sequence {
         Sequence::Initial => &program.blocks.initial,
+        Sequence::InitialByStates => &program.blocks.initial_by_states,
         Sequence::Event => &program.blocks.event,
         Sequence::Continuous => &program.blocks.continuous,
     }

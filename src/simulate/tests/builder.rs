@@ -50,6 +50,7 @@ impl Builder {
             dummies: Vec::new(),
             state_sets: Vec::new(),
             initial: Vec::new(),
+            initial_by_states: Vec::new(),
             event: Vec::new(),
             continuous: Vec::new(),
             assumed_starts: Vec::new(),

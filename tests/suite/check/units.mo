@@ -129,6 +129,47 @@ package Levers
   end Lever;
 end Levers;
 
+//@ case units_of_arguments
+// Arguments are compared with the inputs of functions, whose units may come from types or from classes that extend them.
+//@ check
+package Gases
+  type Pressure = Real(unit = "Pa");
+
+  partial function property
+    input Pressure p;
+    input Real T(unit = "K");
+    output Real value;
+  end property;
+
+  function density
+    extends property(value(unit = "kg/m3"));
+    input Real R(unit = "J/(kg.K)") = 287;
+  algorithm
+    value := p/(R*T);
+  end density;
+
+  model Vessel
+    parameter Real supply(unit = "bar") = 6;
+    parameter Pressure p = 6e5;
+    parameter Real T(unit = "K") = 293;
+    parameter Real warm(unit = "degC") = 20;
+    parameter Real v(unit = "m/s") = 3;
+    Pressure ports[2] = {p, p/2};
+    Real right(unit = "kg/m3") = density(p, T);
+    Real converted(unit = "kg/m3") = density(supply*1e5, warm + 273.15);
+    Real numbers(unit = "kg/m3") = density(6e5, 293);
+    Real each_port[2](each unit = "kg/m3") = density(ports, T);
+    //@ warning[MO0328] 34-51
+    Real scale(unit = "kg/m3") = density(supply, T);
+    //@ warning[MO0328] 33-48
+    Real zero(unit = "kg/m3") = density(p, warm);
+    //@ warning[MO0328] 34-46
+    Real other(unit = "kg/m3") = density(p, v);
+    //@ warning[MO0328] 42-56
+    Real all[2](each unit = "kg/m3") = 2*density(p*v, T)*{1, 2};
+  end Vessel;
+end Gases;
+
 //@ case unknown_units
 // Each is named once.
 //@ check

@@ -243,3 +243,19 @@ model Peak
   //@ error[MO0219] 12-17
   Real y = max(x);
 end Peak;
+
+//@ case parts_of_arrays_without_elements
+model Columns
+  function count
+    input Real h[:, 2] = fill(0, 0, 2);
+    output Integer n;
+  protected
+    Real t[size(h, 1)] = h[:, 1];
+    Real u[size(h, 1), 1] = h[:, {2}];
+  algorithm
+    n := size(t, 1) + 10*size(u, 2);
+  end count;
+  Integer none = count();
+  Integer two = count({{1, 2}, {3, 4}});
+end Columns;
+//@ expect none, two = 10, 12

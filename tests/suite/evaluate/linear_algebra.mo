@@ -115,3 +115,50 @@ end Factors;
 //@ expect C[1,1], C[1,2], C[1,3] = (0*4 - 1*1)/det, -(2*4 - 1*1)/det, (2*1 - 1*0)/det abs 1e-14
 //@ expect C[3,1], C[3,3] = (3*1 - 0*1)/det, (0*0 - 2*3)/det abs 1e-14
 //@ expect y[1] = ((0*4 - 1*1) - 2*(2*4 - 1*1) + 3*(2*1 - 1*0))/det abs 1e-14
+
+//@ case eigenvalues_of_lapack
+// Real eigenvalues with vectors, and a pair whose vectors are held in two columns: `A v = lambda v`.
+package Eigen
+  pure function dgeev
+    input Real A[:, size(A, 1)];
+    output Real re[size(A, 1)];
+    output Real im[size(A, 1)];
+    output Real vectors[size(A, 1), size(A, 1)];
+    output Integer info;
+  protected
+    Real dummy[1, 1];
+    Integer n = size(A, 1);
+    Integer lwork = 12*n;
+    Real Awork[size(A, 1), size(A, 1)] = A;
+    Real work[12*size(A, 1)];
+    external "FORTRAN 77" dgeev("N", "V", n, Awork, n, re, im, dummy, 1, vectors, n, work, lwork, info);
+  end dgeev;
+  function values
+    input Real A[:, size(A, 1)];
+    output Real re[size(A, 1)];
+    output Real im[size(A, 1)];
+    output Real vectors[size(A, 1), size(A, 1)];
+  protected
+    Integer info;
+  algorithm
+    (re, im, vectors, info) := dgeev(A);
+  end values;
+  function error
+    input Real A[:, size(A, 1)];
+    output Real e;
+  protected
+    Real re[size(A, 1)];
+    Real im[size(A, 1)];
+    Real v[size(A, 1), size(A, 1)];
+  algorithm
+    (re, im, v) := values(A);
+    e := max(abs(A*v - v*{{re[1], im[1]}, {-im[1], re[1]}}));
+  end error;
+  model User
+    parameter Real re[2] = values({{4, 1}, {2, 3}});
+    parameter Real pair = error({{1, -2}, {3, 1}});
+    Real sum = (re[1] + 10*re[2])*time;
+    Real off = pair*time;
+  end User;
+end Eigen;
+//@ expect sum, off = 25, 0 abs 1e-11

@@ -210,3 +210,45 @@ end P;
 //@ expect none, beyond at start = 0, -1
 //@ run stop=1.25
 //@ expect k, n, r = 49, 54, 8
+
+//@ case table_in_a_when_clause
+//@ run stop=999 interval=0.25 tolerance=1e-8
+// A large table of parameters is looked up in the function, which each event calls. Its rows are the squares, so the
+// function is their polygon; a later parameter is read by the table.
+package Polygons
+  function piece
+    input Real table[:, 2];
+    input Real t;
+    input Integer last;
+    output Real slope;
+    output Real offset;
+    output Real next;
+    output Integer row;
+  algorithm
+    row := last;
+    while row < size(table, 1) and t >= table[row, 1] loop
+      row := row + 1;
+    end while;
+    next := table[row, 1];
+    slope := (table[row, 2] - table[row - 1, 2])/(table[row, 1] - table[row - 1, 1]);
+    offset := table[row - 1, 2] - slope*table[row - 1, 1];
+  end piece;
+
+  model Polygon
+    parameter Real table[1001, 2] = {{i - 1, k*(i - 1)^2} for i in 1:1001};
+    parameter Real k = 2;
+    discrete Real slope, offset, next(start = 0, fixed = true);
+    discrete Integer row(start = 1, fixed = true);
+    Real y = slope*time + offset;
+    Real area(start = 0, fixed = true);
+  equation
+    der(area) = y;
+  algorithm
+    when {initial(), time >= pre(next)} then
+      (slope, offset, next, row) := piece(table, time, row);
+    end when;
+  end Polygon;
+end Polygons;
+//@ expect y at 0.5, 7.25 = 1, 2*49 + 0.25*30 rel 1e-9
+// The trapezoidal rule: the sum of the squares, less half of the last.
+//@ expect area = 2*(999*1000*1999/6 - 999^2/2) rel 1e-6

@@ -135,3 +135,45 @@ end Reversal;
 //@ expect events = 0
 //@ expect volume.U at 3.141592653589793 = 700 rel 1e-3
 //@ expect volume.U = 700/3 rel 1e-6
+
+//@ case nested_connectors
+// Each of the nested connectors has one flow that transports its own streams. The size of an array may be that of a
+// stream that flows in.
+package Nested
+  connector Port
+    Real p;
+    flow Real m;
+    stream Real x[2];
+  end Port;
+  connector Bundle
+    Port a;
+    Port b;
+  end Bundle;
+  model Source
+    parameter Real k = 1;
+    Bundle out;
+  equation
+    out.a.p = k;
+    out.b.p = 2*k;
+    out.a.x = {k, 0};
+    out.b.x = {0, k};
+  end Source;
+  model Sink
+    Bundle into;
+    Real x[:] = inStream(into.a.x);
+    Real y = actualStream(into.b.x[2]);
+  equation
+    into.a.m = 1;
+    into.b.m = 2;
+    into.a.x = {7, 7};
+    into.b.x = {8, 8};
+  end Sink;
+  model Top
+    Source source(k = 3);
+    Sink sink;
+  equation
+    connect(source.out, sink.into);
+  end Top;
+end Nested;
+//@ expect sink.x[1], sink.x[2], sink.y = 3, 0, 3
+//@ expect source.out.a.m, source.out.b.m = -1, -2

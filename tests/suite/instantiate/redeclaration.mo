@@ -238,3 +238,114 @@ package P
   end Top;
 end P;
 //@ expect c.number = 3
+
+//@ case modifications_of_constraining_clauses
+// What a constraining clause says of classes and values also holds for the class that takes the place (section 7.3.2);
+// names in it are looked up where it is written, and a modification further outside counts more.
+package Constrained
+  partial package Fluid
+    constant Real rho = 1;
+    replaceable partial function density
+      input Real T;
+      output Real d;
+    end density;
+  end Fluid;
+
+  package Water
+    extends Fluid(rho = 1000);
+    redeclare function extends density
+    algorithm
+      d := rho - T;
+    end density;
+  end Water;
+
+  partial function pressure_drop
+    replaceable package Medium = Fluid;
+    input Real T;
+    input Real k = 1;
+    output Real dp;
+  end pressure_drop;
+
+  function none
+    extends pressure_drop;
+  algorithm
+    dp := 0;
+  end none;
+
+  function linear
+    extends pressure_drop;
+  protected
+    Real d = Medium.density(T);
+  algorithm
+    dp := k*d;
+  end linear;
+
+  partial model Law
+    replaceable package Medium = Fluid;
+    parameter Real a = 1;
+    parameter Real b = 1;
+    Real y;
+  end Law;
+
+  model Doubled
+    extends Law;
+  equation
+    y = 2*a*b*Medium.density(0);
+  end Doubled;
+
+  model Single
+    extends Law;
+  equation
+    y = a*b*Medium.density(0);
+  end Single;
+
+  partial model Machine
+    replaceable package Medium = Fluid;
+    parameter Real size = 5;
+    replaceable function drop = none constrainedby pressure_drop(redeclare package Medium = Medium);
+    replaceable model L = Single constrainedby Law(redeclare package Medium = Medium, a = size, b = 10);
+    Real dp = drop(300);
+    L law;
+  end Machine;
+
+  model Pump
+    extends Machine(redeclare function drop = characteristic);
+    replaceable function characteristic = none constrainedby pressure_drop(redeclare package Medium = Medium);
+    // The medium of a short class is the one around it.
+    model Inner = Single(redeclare package Medium = Medium);
+    Inner inner_law;
+  end Pump;
+
+  model Top
+    replaceable package Medium = Water;
+    Pump plain(redeclare package Medium = Medium);
+    Pump pump(redeclare package Medium = Medium, redeclare function characteristic = linear(k = 3),
+      redeclare model L = Doubled(b = 7));
+  end Top;
+end Constrained;
+//@ expect plain.dp, pump.dp = 0, 2100
+//@ expect plain.law.y, pump.law.y = 50000, 70000
+//@ expect plain.inner_law.y = 1000
+
+//@ case the_same_class_by_another_name
+// A redeclaration that is not `replaceable` may be repeated, also by another name of the class.
+package Renamed
+  package A
+    constant Real c = 1;
+  end A;
+  partial model Base
+    replaceable package M = A;
+    Real x = M.c;
+  end Base;
+  package Two
+    extends A(c = 2);
+  end Two;
+  model Closed
+    extends Base(redeclare package M = Two);
+  end Closed;
+  model Top
+    replaceable package Mine = Two;
+    Closed closed(redeclare package M = Mine);
+  end Top;
+end Renamed;
+//@ expect closed.x = 2

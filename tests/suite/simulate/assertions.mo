@@ -190,3 +190,28 @@ model Sums
   annotation(experiment(StopTime = 0.25, Interval = 0.05));
 end Sums;
 //@ expect y at start = 1200*1201/2
+
+//@ case in_a_branch_that_is_not_taken
+// The inner condition depends on a parameter, the outer one is known only at run time.
+package Branches
+  model Transfer
+    parameter Real eta = 1;
+    input Real u;
+    Real y;
+  equation
+    if noEvent(u >= 0) then
+      y = eta*u;
+    else
+      if noEvent(eta > 0) then
+        y = u/eta;
+      else
+        y = 0;
+        assert(false, "not defined");
+      end if;
+    end if;
+  end Transfer;
+  model Top
+    Transfer t(eta = 0, u = time);
+  end Top;
+end Branches;
+//@ expect t.y = 0

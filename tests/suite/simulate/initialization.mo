@@ -182,3 +182,35 @@ end Steady;
 //@ expect found at start = 98 rel 1e-9
 //@ expect each x = 4 abs 1e-12
 //@ expect s = cos(7) rel 1e-6
+
+//@ case starts_that_newton_cannot_take
+// A logarithm of zero at the start, a law of flow whose slope is zero there, and a pair of closed valves in series.
+package Starts
+  model Logarithm
+    Real ratio;
+    Real y = 2*log(ratio) + 1;
+  equation
+    y = 1 + 2*log(3);
+  end Logarithm;
+  model Temperature
+    parameter Real h = 3e5;
+    Real T(nominal = 300, min = 1);
+  equation
+    h = 1000*T + 2e6/T*log(T/300);
+  end Temperature;
+  model ZeroFlow
+    Real m, p, q;
+  equation
+    m*abs(m) = 4 - p;
+    q*abs(q) = p - 1;
+    m = q;
+  end ZeroFlow;
+  model Top
+    Logarithm logarithm;
+    Temperature temperature;
+    ZeroFlow pipe;
+  end Top;
+end Starts;
+//@ expect logarithm.ratio = 3 rel 1e-12
+//@ expect temperature.T = 300 rel 1e-9
+//@ expect pipe.m, pipe.p = sqrt(1.5), 2.5 rel 1e-9
