@@ -16,7 +16,7 @@ use crate::fmu::cause::FmuCause;
 use crate::fmu::description::Version;
 use crate::fmu::export::{Order, export};
 use crate::io::atomic_file::write_file;
-use crate::io::csv;
+use crate::io::csv::text_of;
 use crate::ir::assembly::Assembly;
 use crate::ir::flat::Causality;
 use crate::ir::program::Program;
@@ -149,7 +149,7 @@ fn reference(
     let rows = Trajectory::default();
     let mut sink = Reference { rows, begun: Instant::now(), is_late: false };
     simulate_to(&program, &settings, sources, &mut sink).ok()?;
-    let text = csv::text_of(&sink.rows).ok().filter(|_| !sink.is_late)?;
+    let text = text_of(&sink.rows).ok().filter(|_| !sink.is_late)?;
     Some((REFERENCE.to_owned(), text.into_bytes()))
 }
 

@@ -9,6 +9,7 @@ use super::preference::{ends_with_curve, ends_with_variation};
 use super::rank::{Scored, rank};
 use super::result::Diagnosis;
 use super::search::{Search, accept};
+use super::study::Study;
 
 /// Adds effects one after the other. `depths`: the numbers of effects before each of them.
 pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths: Range<usize>) {
@@ -120,11 +121,9 @@ pub fn promising(
         let effect = &study.effects[s.effect];
         let (varies, is_choice) = (effect.varies.is_some(), effect.choice.is_some());
         let is_repeated = proposals.iter().any(|known| known.promises_as(s));
-        // The best straight line, power and curve are fitted in any case.
-        let is_first = !proposals.iter().any(|known| known.effect == s.effect);
         if proposals.len() == most
             || is_repeated
-            || varies && variations >= policy.fitted_variations && !is_first
+            || varies && (variations == policy.fitted_variations || is_special(study, s))
             || is_choice && choices == policy.fitted_choices
         {
             continue;
@@ -133,6 +132,7 @@ pub fn promising(
         choices += usize::from(is_choice);
         proposals.push(s);
     }
+    special_variations(search, hypothesis, ranking, &mut proposals);
     // Most curves are given up early once a straight line that promises nearly as much has been fitted.
     let varies = |s: &Scored| study.effects[s.effect].varies.is_some();
     let lines = proposals.iter().filter(|s| varies(s) && !study.is_curve(s.effect));
@@ -151,4 +151,39 @@ pub fn promising(
     others.sort_by(|a, b| total(b).total_cmp(&total(a)));
     proposals.extend(others.into_iter().take(search.generosity() * policy.fitted_by_validation));
     proposals.into_iter().map(|s| vec![s.clone()]).collect()
+}
+
+/// True for a parameter that varies by a special law of the catalogue: neither along a straight line nor a free curve.
+fn is_special(study: &Study, s: &Scored) -> bool {
+    study.effects[s.effect].varies.is_some() && !has_formulas(study, s.effect)
+}
+
+/// Adds the special law by which a parameter varies that promises most, if it promises more than a straight line over
+/// the same variable; that line comes first.
+fn special_variations<'r>(
+    search: &Search<'_>,
+    hypothesis: &Hypothesis,
+    ranking: &'r [Scored],
+    proposals: &mut Vec<&'r Scored>,
+) {
+    let study = search.study;
+    let is_supported = |s: &&Scored| s.bic_gain(hypothesis) > search.policy().evidence;
+    let Some(best) = ranking.iter().filter(is_supported).find(|s| is_special(study, s)) else {
+        return;
+    };
+    let is_line = |s: &&Scored| {
+        study.effects[s.effect].varies.is_some()
+            && !study.is_curve(s.effect)
+            && !is_special(study, s)
+            && s.place == best.place
+    };
+    let line = ranking.iter().find(is_line);
+    if line.is_some_and(|line| line.gain >= best.gain) {
+        return;
+    }
+    let at = line.and_then(|line| proposals.iter().position(|known| known.is_same(line)));
+    match (at, line) {
+        (Some(k), _) => proposals.insert(k + 1, best),
+        (None, line) => proposals.extend(line.into_iter().chain([best])),
+    }
 }
