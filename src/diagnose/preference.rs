@@ -21,6 +21,7 @@ pub fn sort_by_preference(
     // a parameter that varies, which follows what any other effect leaves.
     let of_instrument = |h: &Hypothesis| ends_with_instrument(study, h);
     let varies = |h: &Hypothesis| ends_with_variation(study, h);
+    let explained = |h: &Hypothesis| from.train.total() - h.train.total();
     if let Some(instrument) = hypotheses.first().filter(|h| of_instrument(h)) {
         let least = criterion(instrument);
         let margin = |h: &Hypothesis| match instrument.chi2_train() < policy.resolved_validation {
@@ -32,11 +33,18 @@ pub fn sort_by_preference(
             hypotheses[..=k].rotate_right(1);
         }
     }
-    // A parameter that varies is a finding without a name: a named law comes first if it explains as much.
+    // A parameter that varies is a finding without a name: a named law comes first if it explains as much, or nearly as
+    // much and more of what was never fitted.
     if let Some(variation) = hypotheses.first().filter(|h| varies(h)) {
         let as_good = criterion(variation) + policy.evidence;
+        let wanted = policy.parametric_share * explained(variation);
+        let unseen = variation.validation.total() - policy.evidence;
+        let holds_better = |h: &Hypothesis| h.validation.total() < unseen && explained(h) > wanted;
         let named = |h: &Hypothesis| {
-            !varies(h) && !of_instrument(h) && !ends_with_curve(study, h) && criterion(h) < as_good
+            !varies(h)
+                && !of_instrument(h)
+                && !ends_with_curve(study, h)
+                && (criterion(h) < as_good || holds_better(h))
         };
         if let Some(k) = hypotheses.iter().position(named) {
             hypotheses[..=k].rotate_right(1);
@@ -44,7 +52,6 @@ pub fn sort_by_preference(
     }
     prefer_simple_variation(search, hypotheses, &criterion);
     let Some(curve) = hypotheses.first().filter(|h| ends_with_curve(study, h)) else { return };
-    let explained = |h: &Hypothesis| from.train.total() - h.train.total();
     let wanted = policy.parametric_share * explained(curve);
     let limit = policy.parametric_factor * curve.train.total();
     // Where the curve leaves hardly more than noise, what a named law leaves more of is evidence against it; elsewhere
