@@ -12,7 +12,7 @@ use super::program::{Ended, mocc};
 /// Standard deviation of the noise, K.
 const SIGMA: f64 = 0.05;
 /// Distance of the rows, s.
-const ROW: f64 = 8.0;
+const ROW: f64 = 4.0;
 /// Length of a recording, s.
 const LENGTH: f64 = 360.0;
 
