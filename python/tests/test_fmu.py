@@ -20,7 +20,13 @@ def test_an_fmu_holds_the_model_and_its_runtime(tmp_path):
     with zipfile.ZipFile(path) as archive:
         names = set(archive.namelist())
         description = archive.read("modelDescription.xml").decode()
-    assert names == {"modelDescription.xml", "binaries/linux64/Tank.so", "resources/model.mocc"}
+    assert names == {
+        "modelDescription.xml",
+        "binaries/linux64/Tank.so",
+        "resources/model.mocc",
+        "model.png",
+        "extra/mocc/reference.csv",
+    }
     assert 'fmiVersion="2.0"' in description and "<CoSimulation" in description
     assert "<ModelExchange" not in description and 'start="3.0"' in description
 

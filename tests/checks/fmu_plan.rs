@@ -12,7 +12,7 @@ use super::program::{Ended, mocc};
 /// Standard deviation of the noise, K.
 const SIGMA: f64 = 0.05;
 /// Distance of the rows, s.
-const ROW: f64 = 8.0;
+const ROW: f64 = 4.0;
 /// Length of a recording, s.
 const LENGTH: f64 = 360.0;
 
@@ -235,7 +235,7 @@ end Plant;
 fn a_lag_of_the_sensor_of_an_fmu_is_found() {
     let Some((found, summary, folder)) = diagnosis(Flaws { lag: 30.0, ..FLAWLESS }) else { return };
     let (component, at) = first_effect(&found);
-    assert_eq!((component, at), ("SensorLag", "T"), "{found:#}");
+    assert_eq!((component, at), ("Effects.SensorLag", "T"), "{found:#}");
     assert!(summary.contains("inside an FMU nothing can be added"), "{summary}");
     assert_eq!(found["fmu"], "heater.fmu");
     let amended = found["amended_model"].as_str().expect("an amended model");
@@ -252,7 +252,7 @@ fn a_lag_of_the_sensor_of_an_fmu_is_found() {
 fn a_dead_zone_before_an_fmu_is_found() {
     let Some((found, ..)) = diagnosis(Flaws { dead: 12.0, ..FLAWLESS }) else { return };
     let (component, at) = first_effect(&found);
-    assert_eq!((component, at), ("ActuatorDeadZone", "P"), "{found:#}");
+    assert_eq!((component, at), ("Effects.ActuatorDeadZone", "P"), "{found:#}");
 }
 
 #[test]
