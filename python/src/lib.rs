@@ -15,6 +15,7 @@ mod values;
 
 use std::ffi::OsString;
 
+use mocc::fmu::import::remote::set_program;
 use pyo3::prelude::*;
 
 /// Runs the command line and returns its exit status. `arguments` starts with the name of the program.
@@ -33,6 +34,9 @@ fn arithmetic(py: Python<'_>) -> u64 {
 #[pymodule]
 fn _mocc(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    // FMUs run in child processes: this Python, with the packages of its environment, and `mocc fmu-host`.
+    let python: OsString = module.py().import("sys")?.getattr("executable")?.extract()?;
+    set_program(vec![python, "-m".into(), "mocc".into()]);
     module.add_function(wrap_pyfunction!(main, module)?)?;
     module.add_function(wrap_pyfunction!(arithmetic, module)?)?;
     module.add_function(wrap_pyfunction!(derivative::linear_system, module)?)?;

@@ -4,6 +4,7 @@ import os
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import mocc
@@ -36,6 +37,33 @@ def test_the_package_has_a_runtime(tmp_path):
     path = mocc.export_fmu(TANK, tmp_path / "tank.fmu")
     with zipfile.ZipFile(path) as archive:
         assert archive.read("binaries/x86_64-linux/Tank.so") == RUNTIME.read_bytes()
+
+
+@pytest.mark.skipif(not RUNTIME.exists(), reason="the package was built without the runtime")
+def test_a_plan_runs_an_fmu_if_the_call_names_it(tmp_path):
+    path = mocc.export_fmu("model Decay parameter Real k = 1; Real x(start = 1, fixed = true); equation der(x) = -k*x; "
+                           "annotation(experiment(StopTime = 1)); end Decay;", tmp_path / "decay.fmu")
+    t = np.linspace(0, 1, 21)
+    plan = {
+        "time": {"column": "t", "unit": "s"},
+        "signals": {"x": {"variable": "x", "unit": "1", "sigma": 1e-3}},
+        "free": {"k": {"min": 0.1, "max": 10}},
+    }
+    data = {"decay": {"t": t, "x": np.exp(-2 * t)}}
+    found = mocc.calibrate(model=path, data=data, profiles=False, **plan)
+    assert found.values["k"] == pytest.approx(2, rel=1e-4)
+    file = tmp_path / "plan.toml"
+    np.savetxt(tmp_path / "decay.csv", np.column_stack([t, data["decay"]["x"]]), delimiter=",", header="t,x", comments="")
+    file.write_text("""model = "decay.fmu"
+recordings = [{ file = "decay.csv" }]
+data = { folder = "." }
+time = { column = "t", unit = "s" }
+signals = { x = { variable = "x", unit = "1", sigma = 1e-3 } }
+free = { k = { min = 0.1, max = 10 } }
+""")
+    with pytest.raises(mocc.RequestError, match="MO1321"):
+        mocc.calibrate(file, profiles=False)
+    assert mocc.calibrate(file, profiles=False, allow_fmu=path).values["k"] == pytest.approx(2, rel=1e-4)
 
 
 def test_wrong_arguments(tmp_path):

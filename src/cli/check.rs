@@ -1,16 +1,25 @@
-//! `mocc check`: all problems of a file at once, for people or as JSON.
+//! `mocc check`: all problems of a model or a plan at once, for people or as JSON.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::args::inspect::Check;
-use super::{Status, print, say};
+use super::{Status, modelica_path, print, say};
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::{SourceMap, Span};
+use crate::calibrate::memory::Memory;
+use crate::calibrate::policy::FitPolicy;
+use crate::calibrate::run::{CalibrationError, Request, prepare};
 use crate::driver::compile::{CompileError, Session};
 use crate::io::json::Json;
 
 /// Checks; status 0 without errors, 1 with some.
 pub fn run(options: &Check) -> Status {
     let mut session = Session::default();
-    let checked = session.check(&options.request(), options.severity());
+    let checked = match options.plan() {
+        Some(plan) => check_plan(&mut session, plan),
+        None => session.check(&options.request(), options.severity()),
+    };
     if options.json {
         let all = session.problems.sorted().into_iter().map(|d| as_json(d, &session.sources));
         let printed = print(&Json::list(all).pretty());
@@ -27,6 +36,31 @@ pub fn run(options: &Check) -> Status {
         Ok(()) => Status::Done,
         Err(CompileError::Model) => Status::Model,
         Err(CompileError::Request) => Status::Usage,
+    }
+}
+
+/// Checks a plan: its recordings, its model, and that the model has everything that the plan names, in the same units.
+/// Nothing is run.
+fn check_plan(session: &mut Session, plan: &Path) -> Result<(), CompileError> {
+    session.parameters_vary = true;
+    let request = Request {
+        plan: plan.to_owned(),
+        // The code of an FMU is not loaded, so that any may be named.
+        memory: Arc::new(Memory { fmus: vec![PathBuf::from("/")], ..Memory::default() }),
+        data: None,
+        modelica_path: modelica_path(),
+        profiles: false,
+        policy: FitPolicy::default(),
+    };
+    let checked = prepare(&request, session)
+        .and_then(|prepared| prepared.problem(&session.sources, &mut session.problems).map(|_| ()));
+    match checked {
+        Ok(()) => Ok(()),
+        Err(CalibrationError::Invalid(error)) => Err(error),
+        Err(error) => {
+            eprintln!("error: {error}");
+            Err(CompileError::Request)
+        }
     }
 }
 

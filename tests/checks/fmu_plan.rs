@@ -183,6 +183,11 @@ fn an_fmu_is_calibrated_like_its_model() {
         "{}",
         refused.err
     );
+    // Without its code, the plan can be checked.
+    succeeds(&folder, &["check", "plan.toml"]);
+    folder.file("wrong.toml", &PLAN.replace("MODEL", "heater.fmu").replace("G = {", "H = {"));
+    let wrong = mocc(folder.path(), &["check", "wrong.toml"]);
+    assert!(wrong.status == 2 && wrong.err.contains("`H`"), "{}", wrong.err);
     let words = ["calibrate", "plan.toml", "--allow-fmu", "heater.fmu", "--no-profiles"];
     succeeds(&folder, &[&words[..], &["--out", "a"]].concat());
     succeeds(&folder, &["calibrate", "text.toml", "--no-profiles", "--out", "b"]);

@@ -1,6 +1,6 @@
 //! Arguments of the commands that look at the text or the structure of a model: `check`, `explain`, `fmt`, `structure`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
@@ -12,7 +12,7 @@ use crate::driver::compile::Request;
 /// The models to check.
 #[derive(Args, Debug)]
 pub struct Check {
-    /// File whose models are checked.
+    /// File whose models are checked, or a plan, .toml.
     #[arg(value_name = "FILE", required_unless_present = "model")]
     pub file: Option<PathBuf>,
     /// Full name of the model to check [default: all models in FILE].
@@ -98,6 +98,11 @@ pub struct Structure {
 }
 
 impl Check {
+    /// The plan, if it is one that is checked.
+    pub fn plan(&self) -> Option<&Path> {
+        self.file.as_deref().filter(|file| file.extension().is_some_and(|e| e == "toml"))
+    }
+
     /// Severity of mismatched units.
     pub fn severity(&self) -> Severity {
         match self.units {
