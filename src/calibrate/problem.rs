@@ -195,6 +195,7 @@ impl<'a> Problem<'a> {
             return None;
         }
         let mut settings = Settings::of(&program.blocks.dae.experiment);
+        settings.spacing = program.blocks.dae.experiment.interval;
         // Thousands of runs: machine code pays, unless others do them.
         settings.execution = match execution {
             Some(execution) => execution,
@@ -318,6 +319,9 @@ impl<'a> Problem<'a> {
         settings.start = recording.start.unwrap_or(settings.start.min(first));
         settings.stop = recording.time.last().copied().unwrap_or(settings.stop);
         settings.instants = Some(recording.time.clone());
+        // A model that states no interval is looked at as often as it was recorded.
+        let rows = recording.time.len().saturating_sub(1).max(1) as f64;
+        settings.spacing = settings.spacing.or(Some((settings.stop - settings.start) / rows));
         // A search passes through values at which a run would take hours; no minimum lies there.
         settings.most_steps = MAX_STEPS + MAX_STEPS_PER_ROW * recording.time.len() as u64;
         settings
