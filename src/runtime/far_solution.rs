@@ -45,7 +45,7 @@ impl<'s> FarSolution<'s, '_, '_> {
         if !is_solved(ending) {
             ending = match z.len() {
                 1 => self.along_the_unknown(z, ending),
-                _ => self.from_displaced_starts(z, &from, ending),
+                _ => self.search_displaced_starts(z, &from, ending),
             };
         }
         if !is_solved(ending) {
@@ -128,7 +128,7 @@ impl<'s> FarSolution<'s, '_, '_> {
 
     /// Restarts Newton's method from points around `start`, nearest first, displacing one unknown at a
     /// time.
-    fn from_displaced_starts(
+    fn search_displaced_starts(
         &mut self,
         z: &mut [f64],
         start: &[f64],
