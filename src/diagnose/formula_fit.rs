@@ -234,27 +234,7 @@ impl Knots {
                 (None, first) => first,
             };
         }
-        let mut best = best?;
-        let starts = best.shapes.clone();
-        // Between the starts: a pattern search, whose step halves.
-        let mut step = 0.25;
-        for _ in 0..SHAPE_ROUNDS {
-            let before = best.criterion;
-            for (k, shape) in form.shapes.iter().enumerate() {
-                let (low, high) = shape.range_around(starts[k]);
-                for sign in [-1.0, 1.0] {
-                    let mut shapes = best.shapes.clone();
-                    shapes[k] += sign * step * shapes[k].abs().max(0.1);
-                    if (low..=high).contains(&shapes[k]) {
-                        best = best.or_better(candidate(shapes));
-                    }
-                }
-            }
-            if before - best.criterion < NEGLIGIBLE {
-                step *= 0.5;
-            }
-        }
-        Some(best)
+        Some(refined_shapes(best?, &candidate))
     }
 
     /// The amplitudes of least squares for given shapes, the constant part, and the weighted sum of squares that is left.
@@ -396,6 +376,32 @@ impl Candidate {
 fn ends(chosen: &ChosenEffect, curve: &FreeCurve) -> Option<(f64, f64)> {
     let fixed = |name: &String| chosen.fixed.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
     Some((curve.from.as_ref().map_or(Some(0.0), fixed)?, fixed(&curve.to)?))
+}
+
+/// The best shapes around those of a candidate: a pattern search, whose step halves where no neighbour is better.
+fn refined_shapes(
+    mut best: Candidate,
+    candidate: &dyn Fn(Vec<f64>) -> Option<Candidate>,
+) -> Candidate {
+    let starts = best.shapes.clone();
+    let mut step = 0.25;
+    for _ in 0..SHAPE_ROUNDS {
+        let before = best.criterion;
+        for (k, shape) in best.form.shapes.iter().enumerate() {
+            let (low, high) = shape.range_around(starts[k]);
+            for sign in [-1.0, 1.0] {
+                let mut shapes = best.shapes.clone();
+                shapes[k] += sign * step * shapes[k].abs().max(0.1);
+                if (low..=high).contains(&shapes[k]) {
+                    best = best.or_better(candidate(shapes));
+                }
+            }
+        }
+        if before - best.criterion < NEGLIGIBLE {
+            step *= 0.5;
+        }
+    }
+    best
 }
 
 /// All combinations of the shapes' starts.

@@ -3,7 +3,6 @@
 //! tested by `tests/fmu/check.py`, and here too where the runtime of FMUs has been built.
 
 use std::fmt;
-use std::path::Path;
 use std::sync::Arc;
 
 use mocc::base::diag::Diagnostic;
@@ -28,7 +27,7 @@ use mocc::simulate::settings::Settings;
 use mocc::simulate::stepping::Arrival;
 
 use super::door::Scratch;
-use super::program::{Ended, mocc};
+use super::program::{Ended, fmu_runtime, mocc};
 
 // ---- The loops, with an FMU in this process ----
 
@@ -387,10 +386,7 @@ fn bad_archives_are_refused_with_a_diagnostic_each() {
 /// With the runtime of FMUs, the whole way: export, child process, both kinds, both versions.
 #[test]
 fn an_exported_model_comes_back() {
-    let program = Path::new(env!("CARGO_BIN_EXE_mocc"));
-    let target = program.parent().and_then(Path::parent).expect("a folder");
-    let runtimes = ["debug", "release"].map(|f| target.join(f).join("libmocc_fmu.so"));
-    let Some(runtime) = runtimes.iter().find(|path| path.exists()) else { return };
+    let Some(runtime) = fmu_runtime() else { return };
     let folder = Scratch::new();
     folder.file("ball.mo", BALL);
     for version in ["2", "3"] {

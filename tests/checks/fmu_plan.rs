@@ -2,12 +2,11 @@
 //! flaw of a sensor, of an actuator or of a parameter. Skips where the runtime of FMUs has not been built.
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
 use super::door::Scratch;
-use super::program::{Ended, mocc};
+use super::program::{Ended, fmu_runtime, mocc};
 
 /// Standard deviation of the noise, K.
 const SIGMA: f64 = 0.05;
@@ -48,14 +47,6 @@ T = { variable = "T", unit = "K", sigma = 0.05 }
 C = { min = 50, max = 2000 }
 G = { min = 0.1, max = 20 }
 "#;
-
-/// The runtime of FMUs, if it has been built.
-fn runtime() -> Option<PathBuf> {
-    let program = Path::new(env!("CARGO_BIN_EXE_mocc"));
-    let target = program.parent().and_then(Path::parent)?;
-    let mut all = ["release", "debug"].map(|f| target.join(f).join("libmocc_fmu.so")).into_iter();
-    all.find(|path| path.exists())
-}
 
 /// The heating power of a recording, W: ramps between levels, some of them small and negative.
 fn power(recording: usize, t: f64) -> f64 {
@@ -125,7 +116,7 @@ fn recording(number: usize, room: f64, flaws: Flaws) -> String {
 
 /// A folder with the heater as an FMU, the recordings and the plans; `None` without the runtime.
 fn study(flaws: Flaws) -> Option<Scratch> {
-    let runtime = runtime()?;
+    let runtime = fmu_runtime()?;
     let folder = Scratch::new();
     folder.file("heater.mo", HEATER);
     let runtime = runtime.display().to_string();

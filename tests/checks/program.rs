@@ -1,6 +1,6 @@
 //! The program itself, as a user runs it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// What one command left behind.
@@ -30,4 +30,10 @@ pub fn command(folder: &Path, arguments: &[&str], environment: &[(&str, &Path)])
         out: text(&output.stdout),
         err: text(&output.stderr),
     }
+}
+
+/// The runtime of FMUs next to the program, if `cargo build --package mocc-fmu` has built it.
+pub fn fmu_runtime() -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_BIN_EXE_mocc")).with_file_name("libmocc_fmu.so");
+    path.exists().then_some(path)
 }

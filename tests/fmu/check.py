@@ -19,21 +19,9 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi3 import FMU3Model, FMU3Slave
 from fmpy.validation import validate_fmu
 
+from examples import EXAMPLES
+
 ROOT = Path(__file__).resolve().parents[2]
-EXAMPLES = [
-    "examples/bouncing_ball.mol",
-    "examples/equalisation.mol",
-    "examples/oscillator.mol",
-    "examples/stick_slip.mol",
-    "examples/valve22.mol",
-    "examples/valve32.mol",
-    "examples/valve52.mol",
-    "examples/valve53.mol",
-    "tests/fmu/models.mo:Hybrid.Inputs",
-    "tests/fmu/models.mo:Hybrid.Ticks",
-    "tests/fmu/models.mo:Hybrid.Delayed",
-    "tests/fmu/models.mo:Hybrid.Pendulum",
-]
 # Largest differences in units of the range of a variable: at communication points, and on a grid between them, where
 # both are interpolated and a few points lie next to jumps.
 AT_POINTS = 1e-5

@@ -24,20 +24,10 @@ import numpy as np
 from fmpy import extract, fmi2, fmi3, read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
-EXAMPLES = [
-    "examples/bouncing_ball.mol",
-    "examples/equalisation.mol",
+from examples import EXAMPLES
+
+MORE = [
     "examples/filling.mol",
-    "examples/oscillator.mol",
-    "examples/stick_slip.mol",
-    "examples/valve22.mol",
-    "examples/valve32.mol",
-    "examples/valve52.mol",
-    "examples/valve53.mol",
-    "tests/fmu/models.mo:Hybrid.Inputs",
-    "tests/fmu/models.mo:Hybrid.Ticks",
-    "tests/fmu/models.mo:Hybrid.Delayed",
-    "tests/fmu/models.mo:Hybrid.Pendulum",
     "tests/fmu/models.mo:Hybrid.Smooth",
     "tests/fmu/models.mo:Hybrid.Integrator",
 ]
@@ -355,7 +345,7 @@ def main() -> None:
     parser.add_argument("--table")
     options = parser.parse_intermixed_args()
     mocc = str(Path(options.mocc).resolve())
-    work = [(m, None) for m in options.models or EXAMPLES if not m.startswith("Modelica.")]
+    work = [(m, None) for m in options.models or EXAMPLES + MORE if not m.startswith("Modelica.")]
     if options.library:
         own = [m for m in options.models if m.startswith("Modelica.")]
         work += [(m, options.library) for m in (own if options.models else LIBRARY)]
