@@ -11,7 +11,7 @@ equation
   f = F*exp(-((s - s_0)/w)^2);
 
   annotation(__mocc(
-    effect   = "amplitude=F; s_0=s(15); w=0.1e-3,0.2e-3,0.4e-3",
+    effect   = "amplitude=F; s_0=s(15); w=0.03*span(s),0.06*span(s),0.12*span(s)",
     law      = "f = F exp(-((s - s_0)/w)^2)",
     explains = "A force that depends on position alone acts on %at."));
 end BellForce;

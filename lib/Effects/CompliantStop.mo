@@ -16,7 +16,7 @@ equation
   f = (if side > 0 then -1 else 1)*x_c*(c + d*v_in);
 
   annotation(__mocc(
-    effect   = "amplitude=c>0,d>0; side=-1,1; s_lo=min(s); s_hi=max(s); w=0.1e-3,0.2e-3,0.5e-3",
+    effect   = "amplitude=c>0,d>0; side=-1,1; s_lo=min(s); s_hi=max(s); w=0.03*span(s),0.06*span(s),0.15*span(s)",
     law      = "f = x_c (c + d v_in) away from the end",
     explains = "%at meets an elastic stop before an end of its stroke."));
 end CompliantStop;

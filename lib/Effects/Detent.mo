@@ -15,7 +15,7 @@ equation
   f = -F*x*exp((1 - x^2)/2);
 
   annotation(__mocc(
-    effect   = "amplitude=F; s_0=s(15); w=0.1e-3,0.2e-3,0.4e-3",
+    effect   = "amplitude=F; s_0=s(15); w=0.03*span(s),0.06*span(s),0.12*span(s)",
     law      = "f = -F x exp((1 - x^2)/2)",
     explains = "A detent holds %at around one position."));
 end Detent;

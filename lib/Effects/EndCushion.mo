@@ -9,7 +9,7 @@ equation
   f = -d*noEvent(max(0, 1 - x/w))^2*v;
 
   annotation(__mocc(
-    effect   = "amplitude=d>0; side=-1,1; s_lo=min(s); s_hi=max(s); w=0.25e-3,0.5e-3,1e-3",
+    effect   = "amplitude=d>0; side=-1,1; s_lo=min(s); s_hi=max(s); w=0.07*span(s),0.15*span(s),0.3*span(s)",
     law      = "f = -d max(0, 1 - x/w)^2 v",
     explains = "%at is cushioned at an end of its stroke."));
 end EndCushion;

@@ -18,7 +18,7 @@ equation
   f = k*noEvent(abs(m_flow))*v*exp(-((spool.s - s_ce)/w)^2);
 
   annotation(__mocc(
-    effect   = "amplitude=k; host=spool,port_a,port_b; bind m_flow=gap.m_flow|m_flow; bind s_ce=s_ce; w=0.1e-3,0.2e-3,0.4e-3",
+    effect   = "amplitude=k; host=spool,port_a,port_b; bind m_flow=gap.m_flow|m_flow; bind s_ce=s_ce; w=0.03*span(spool.s),0.06*span(spool.s),0.12*span(spool.s)",
     law      = "f = k |m_flow| v exp(-((s - s_ce)/w)^2)",
     explains = "The air that flows past %at pushes the spool where the edge meters: momentum of the jet."));
 end FlowForceEdge;

@@ -25,7 +25,7 @@ equation
   sigma_0 = F/delta;
 
   annotation(__mocc(
-    effect   = "amplitude=F>0; delta=5e-6,20e-6,80e-6; r=0.5; v_s=0.02,0.1",
+    effect   = "amplitude=F>0; delta=5e-6,20e-6,80e-6; r=0.5; v_s=0.02*span(v),0.1*span(v)",
     law      = "f = -F (z + tau_z exp(-(v/v_d)^2) dz/dt)",
     explains = "Friction of elastic bristles (LuGre) acts on %at."));
 end LuGrePresliding;

@@ -10,7 +10,7 @@ equation
   f = (if side > 0 then F else -F)/(1 + x/d)^2;
 
   annotation(__mocc(
-    effect   = "amplitude=F; side=-1,1; s_lo=min(s); s_hi=max(s); d=0.2e-3,0.5e-3,1e-3",
+    effect   = "amplitude=F; side=-1,1; s_lo=min(s); s_hi=max(s); d=0.06*span(s),0.15*span(s),0.3*span(s)",
     law      = "f = F/(1 + x/d)^2 towards the end",
     explains = "%at is attracted by an end of its stroke, as by a magnet."));
 end MagneticForce;

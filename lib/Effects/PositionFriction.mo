@@ -11,7 +11,7 @@ equation
   f_static = f_slide;
 
   annotation(__mocc(
-    effect   = "amplitude=F>0; s_0=s(15); w=0.2e-3,0.5e-3",
+    effect   = "amplitude=F>0; s_0=s(15); w=0.06*span(s),0.15*span(s)",
     law      = "|f| = F exp(-((s - s_0)/w)^2) while sliding, and at most that at rest",
     explains = "%at rubs more around one position."));
 end PositionFriction;

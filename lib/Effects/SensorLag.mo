@@ -8,7 +8,8 @@ block SensorLag "Sensor with a lag"
 
   input Real  u "Simulated value, in any unit";
   output Real y "Reading, in the same unit";
-  Real x "Reading of a first-order lag with tau";
+  Units.Time t = time "Time";
+  Real       x        "Reading of a first-order lag with tau";
 initial equation
   x = u;
 equation
@@ -16,7 +17,7 @@ equation
   y = u - T*(u - x)/tau;
 
   annotation(__mocc(
-    effect   = "amplitude=T>0; tau=0.3e-3,1e-3,3e-3",
+    effect   = "amplitude=T>0; tau=0.0025*span(t),0.008*span(t),0.025*span(t)",
     law      = "y = u - T (u - x)/tau",
     explains = "The sensor of %at follows with a lag."));
 end SensorLag;

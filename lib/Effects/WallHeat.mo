@@ -13,6 +13,7 @@ model WallHeat "Air that warms when compressed and cools at the wall"
   input Units.Volume V "Volume of the host";
   Units.Fraction theta(start = 0, fixed = true) "Excess of its temperature, as a share of T";
   Units.Mass     m_less                         "Air that warming displaces";
+  Units.Time     t = time                       "Time";
   constant Units.Exponent kappa = 1.4 "Isentropic exponent of air";
 equation
   der(theta) = (kappa - 1)/kappa*der(p)/p - theta/tau;
@@ -20,7 +21,7 @@ equation
   m_flow = -k*der(m_less);
 
   annotation(__mocc(
-    effect   = "amplitude=k>0; host=port; bind V=V; tau=3e-3,10e-3,30e-3",
+    effect   = "amplitude=k>0; host=port; bind V=V; tau=0.025*span(t),0.08*span(t),0.25*span(t)",
     law      = "dtheta/dt = (kappa - 1)/kappa (dp/dt)/p - theta/tau",
     explains = "The air in %at warms when it is compressed and cools at the wall."));
 end WallHeat;

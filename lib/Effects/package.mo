@@ -23,6 +23,10 @@ package Effects "Physical effects that a model may lack"
   //   with has_line=true    a class that has the effect built in: the override that makes it part of the model
   //   varies=factor         parameters of the model are multiplied by this variable of the effect, whose first input is
   //                         bound to each variable that they may vary with
+  //   adds=term             this variable of the effect is added to an equation of the model that determines the rate of a
+  //                         state. The inputs of the effect are bound to variables of the model of their units; an input
+  //                         without a unit, to any
+  //   of=state              the input is bound to that state only
   //   acts=y                equations of the model read this variable of the effect in place of an input of the model, to
   //                         which the first input of the effect is bound
   // Without `host`, connectors of a model may be of another class, its own or that of a library, if they mean the same:
@@ -31,7 +35,7 @@ package Effects "Physical effects that a model may lack"
   //
   // A block Sensor... has no connector: it converts the simulated value u to the reading y.
   // `explains` is the sentence that a diagnosis reports; %at is the location and %over the variable that a parameter
-  // varies with. `law` is the effect's formula.
+  // varies with or a term depends on. `law` is the effect's formula.
   //
   // An entry `formula` of a free curve tells how a short formula takes its place where the recordings support one:
   //   extends=PartialLeak   the class of the same package that the law extends

@@ -49,6 +49,10 @@ pub struct Effect {
     pub over: Vec<String>,
     /// Of an effect that lets parameters vary: its output, by which they are multiplied.
     pub varies: Option<String>,
+    /// Of an effect that is a term of an equation: the variable that is added.
+    pub adds: Option<String>,
+    /// Of such a term: its input is the state whose rate the equation determines.
+    pub is_of_state: bool,
     /// Of an effect that acts on an input of the model: its output, which the model reads instead.
     pub acts: Option<String>,
     /// Of an effect that is another law: how it is chosen.
@@ -65,6 +69,17 @@ impl Effect {
     /// What it is called: its class, unless that says what has the effect rather than what the effect is.
     pub fn name(&self) -> &str {
         self.named.as_ref().unwrap_or(&self.class)
+    }
+
+    /// True if its inputs are bound to any variables of the model, so that these say what it depends on.
+    pub fn has_free_inputs(&self) -> bool {
+        self.varies.is_some() || self.adds.is_some()
+    }
+
+    /// True for a term that is the product of several variables: like a parameter that varies, it describes much and names
+    /// nothing.
+    pub fn is_product(&self) -> bool {
+        self.adds.is_some() && self.binds.len() > 1
     }
 }
 
@@ -321,8 +336,8 @@ fn complete(effect: &mut Effect, inventory: &Inventory) {
     if let Some(own) = inventory.parts.first() {
         effect.connectors = own.connectors.clone();
     }
-    effect.of_signal =
-        effect.connectors.is_empty() && effect.varies.is_none() && effect.acts.is_none();
+    let acts_inside = [&effect.varies, &effect.adds, &effect.acts].into_iter().any(Option::is_some);
+    effect.of_signal = effect.connectors.is_empty() && !acts_inside;
     for input in &inventory.inputs {
         if !effect.of_signal && !effect.binds.iter().any(|(name, _)| name == input) {
             effect.binds.push((input.clone(), vec![input.clone()]));
@@ -383,6 +398,8 @@ fn read(class: &str, text: &str, role: Role) -> Result<Effect, String> {
             "named" => effect.named = Some(value.trim().to_owned()),
             "varies" => effect.varies = Some(value.trim().to_owned()),
             "acts" => effect.acts = Some(value.trim().to_owned()),
+            "adds" => effect.adds = Some(value.trim().to_owned()),
+            "of" if value.trim() == "state" => effect.is_of_state = true,
             "over" => effect.over = items.map(str::to_owned).collect(),
             shape => {
                 let starts: Option<Vec<Start>> = items.map(start).collect();

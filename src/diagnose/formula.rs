@@ -410,6 +410,7 @@ fn formula(k: usize, effect: &Effect, curve: &FreeCurve, form: &'static Form) ->
         host: effect.host.clone(),
         binds: effect.binds.clone(),
         varies: effect.varies.clone(),
+        adds: effect.adds.clone(),
         acts: effect.acts.clone(),
         of_signal: effect.of_signal,
         named: Some(effect.class.clone()),

@@ -20,13 +20,16 @@ use super::study::Study;
 
 /// Replaces the free curves of a diagnosis by formulas where the recordings support one.
 pub fn replace_curves(search: &Search<'_>, diagnosis: &mut Diagnosis) {
-    for k in 0..diagnosis.after.effects.len() {
+    let mut k = 0;
+    // With a formula in the place of one effect, others may become needless.
+    while k < diagnosis.after.effects.len() {
         let limit = diagnosis.after.total_criterion() + allowance(search, &diagnosis.after, k);
         if let Some(best) = formula_instead(search, &diagnosis.after, k)
             && best.total_criterion() < limit
         {
             accept_instead(search, diagnosis, best);
         }
+        k += 1;
     }
 }
 

@@ -115,7 +115,7 @@ pub fn promising(
 ) -> Vec<Vec<Scored>> {
     let (study, policy) = (search.study, search.policy());
     let mut proposals: Vec<&Scored> = Vec::new();
-    let (mut variations, mut choices) = (0, 0);
+    let (mut variations, mut choices, mut products) = (0, 0, 0);
     let most = search.generosity() * policy.fitted_places;
     for s in ranking.iter().filter(|s| s.bic_gain(hypothesis) > policy.evidence) {
         let effect = &study.effects[s.effect];
@@ -125,11 +125,13 @@ pub fn promising(
             || is_repeated
             || varies && (variations == policy.fitted_variations || is_special(study, s))
             || is_choice && choices == policy.fitted_choices
+            || effect.is_product() && products == policy.fitted_products
         {
             continue;
         }
         variations += usize::from(varies);
         choices += usize::from(is_choice);
+        products += usize::from(effect.is_product());
         proposals.push(s);
     }
     special_variations(search, hypothesis, ranking, &mut proposals);

@@ -53,6 +53,7 @@ pub fn grade(outcome: &Outcome, group: &[ChosenEffect]) -> Option<Grade> {
     }
     let effect = &study.effects[first.effect];
     let is_curve = study.is_curve(first.effect) || effect.formula.is_some();
-    let is_vague = is_curve || effect.varies.is_some() || !after.is_determined(study);
+    let is_vague =
+        is_curve || effect.varies.is_some() || effect.is_product() || !after.is_determined(study);
     Some(if is_vague { Grade::Curve } else { Grade::Established })
 }

@@ -193,9 +193,9 @@ fn component(effect: &Effect) -> String {
 
 /// The variables that the law of an effect depends on.
 fn over(effect: &Effect, group: &[ChosenEffect]) -> Vec<String> {
-    match effect.varies {
-        Some(_) => group[0].place.binds.iter().map(|(_, variable)| variable.clone()).collect(),
-        None => effect.over.clone(),
+    match effect.has_free_inputs() {
+        true => group[0].place.binds.iter().map(|(_, variable)| variable.clone()).collect(),
+        false => effect.over.clone(),
     }
 }
 

@@ -17,6 +17,7 @@ pub mod candidate_fit;
 pub mod catalogue;
 pub mod cause;
 pub mod effective_evidence;
+pub mod equation_terms;
 pub mod formula;
 pub mod formula_fit;
 pub mod forward_selection;

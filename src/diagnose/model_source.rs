@@ -139,8 +139,8 @@ impl Extension<'_> {
         classes.into_iter().for_each(|class| out.push_str(class));
         components.into_iter().for_each(|a| a.declare(&mut out));
         out.push_str(&self.connections(attached));
-        let (variations, passages) = (variations(attached), passages(attached));
-        let entries = variations.as_deref().into_iter().chain(passages.as_deref());
+        let entries = [variations(attached), additions(attached), passages(attached)];
+        let entries = entries.iter().filter_map(Option::as_deref);
         let own: Vec<&str> = self.measured.into_iter().chain(entries).collect();
         let own = (!own.is_empty()).then(|| format!("__mocc({})", own.join(", ")));
         let annotations: Vec<&str> = self.experiment.into_iter().chain(own.as_deref()).collect();
@@ -181,6 +181,16 @@ fn variations(attached: &[Attached<'_>]) -> Option<String> {
     };
     let all: Vec<String> = attached.iter().flat_map(of).collect();
     (!all.is_empty()).then(|| format!("varies = \"{}\"", all.join(", ")))
+}
+
+/// The entry of the annotation `__mocc` that adds terms to equations, if an effect is one.
+fn additions(attached: &[Attached<'_>]) -> Option<String> {
+    let of = |a: &Attached<'_>| {
+        let (term, rate) = (a.effect.adds.as_ref()?, a.place.at.first()?);
+        Some(format!("{rate} = {}.{term}", a.name))
+    };
+    let all: Vec<String> = attached.iter().filter_map(of).collect();
+    (!all.is_empty()).then(|| format!("adds = \"{}\"", all.join(", ")))
 }
 
 /// The entry of the annotation `__mocc` that leads inputs through effects, if one acts on them.

@@ -68,6 +68,8 @@ pub struct SearchPolicy {
     pub proposals_if_short: usize,
     /// Of these, parameters that vary. Default 3: they describe much and name nothing.
     pub fitted_variations: usize,
+    /// Of these, terms that are products of variables. Default 1.
+    pub fitted_products: usize,
     /// Share of the promise of a parameter that varies along a curve which the best straight line must promise to be fitted
     /// first. Default 0.9.
     pub straight_share: f64,
@@ -207,6 +209,7 @@ impl Default for SearchPolicy {
             fitted_places: 5,
             proposals_if_short: 2,
             fitted_variations: 3,
+            fitted_products: 1,
             straight_share: 0.9,
             fitted_choices: 2,
             fitted_by_validation: 2,

@@ -42,11 +42,24 @@ pub fn sort_by_preference(
         let holds_better = |h: &Hypothesis| h.validation.total() < unseen && explained(h) > wanted;
         let named = |h: &Hypothesis| {
             !varies(h)
+                && !ends_with_product(study, h)
                 && !of_instrument(h)
                 && !ends_with_curve(study, h)
                 && (criterion(h) < as_good || holds_better(h))
         };
         if let Some(k) = hypotheses.iter().position(named) {
+            hypotheses[..=k].rotate_right(1);
+        }
+    }
+    if let Some(product) = hypotheses.first().filter(|h| ends_with_product(study, h)) {
+        let as_good = criterion(product) + policy.evidence;
+        let plainer = |h: &Hypothesis| {
+            !ends_with_product(study, h)
+                && !ends_with_curve(study, h)
+                && !of_instrument(h)
+                && criterion(h) < as_good
+        };
+        if let Some(k) = hypotheses.iter().position(plainer) {
             hypotheses[..=k].rotate_right(1);
         }
     }
@@ -108,6 +121,11 @@ pub fn ends_with_instrument(study: &Study, hypothesis: &Hypothesis) -> bool {
 /// True if the last added effect lets a parameter vary.
 pub fn ends_with_variation(study: &Study, hypothesis: &Hypothesis) -> bool {
     hypothesis.effects.last().is_some_and(|c| study.effects[c.effect].varies.is_some())
+}
+
+/// True if the last added effect is a product of variables.
+fn ends_with_product(study: &Study, hypothesis: &Hypothesis) -> bool {
+    hypothesis.effects.last().is_some_and(|c| study.effects[c.effect].is_product())
 }
 
 /// True if the last added effect is a free curve.

@@ -7,7 +7,7 @@
 use crate::calibrate::data::Split;
 use crate::calibrate::parallel;
 
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{ChosenEffect, Hypothesis};
 use super::law_choice::scored_choices;
 use super::linearise::{Linearisation, Linearised};
 use super::place::Place;
@@ -268,7 +268,11 @@ fn trials(
         }
         for place in study.places(effect, &hypothesis.plan) {
             let taken = |at: &String| {
-                hypothesis.effects.iter().any(|c| c.effect == k && c.place.at.first() == Some(at))
+                let is_here = |c: &ChosenEffect| {
+                    c.place.at.first() == Some(at)
+                        && (effect.adds.is_none() || c.place.binds == place.binds)
+                };
+                hypothesis.effects.iter().any(|c| c.effect == k && is_here(c))
             };
             let known = match effect.built_in {
                 true => place.at.iter().any(taken),

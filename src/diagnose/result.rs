@@ -102,9 +102,9 @@ pub fn sentences(effects: &[Effect], chosen: &[ChosenEffect]) -> Vec<String> {
     let one = |group: &[ChosenEffect]| {
         let at: Vec<&str> =
             group.iter().flat_map(|c| c.place.at.iter().map(String::as_str)).collect();
-        let over = group[0].place.binds.first().map_or("", |(_, variable)| variable);
+        let over: Vec<&str> = group[0].place.binds.iter().map(|(_, v)| v.as_str()).collect();
         let sentence = effects[group[0].effect].explains.replace("%at", &at.join(", "));
-        let sentence = sentence.replace("%over", over);
+        let sentence = sentence.replace("%over", &over.join(" and "));
         let (general, own) =
             (&effects[group[0].effect].law, law(&effects[group[0].effect], &group[0]));
         if general.is_empty() { sentence } else { sentence.replace(general.as_str(), &own) }
@@ -130,13 +130,13 @@ pub fn estimates(effects: &[Effect], hypothesis: &Hypothesis) -> Vec<(String, f6
 pub fn law(effect: &Effect, chosen: &ChosenEffect) -> String {
     let value = |word: &str| -> Option<String> {
         let bound = chosen.place.binds.iter().find(|(own, _)| own == word);
-        if let Some((_, variable)) = bound.filter(|_| effect.varies.is_some()) {
+        if let Some((_, variable)) = bound.filter(|_| effect.has_free_inputs()) {
             return Some(variable.clone());
         }
         let is_fitted = chosen.fitted.iter().any(|name| name == word);
         let fixed = chosen.fixed.iter().find(|(name, _)| name == word && !is_fitted);
         fixed
-            .filter(|_| effect.varies.is_some() || effect.formula.is_some())
+            .filter(|_| effect.has_free_inputs() || effect.formula.is_some())
             .map(|(_, v)| shown(*v))
     };
     // What is counted from zero is itself.

@@ -10,6 +10,7 @@ use crate::ir::flat::{Experiment, FlatModel};
 use crate::ir::program::Program;
 
 use super::catalogue::{Effect, Packages, catalogue};
+use super::equation_terms::EquationTerms;
 use super::formula::formulas;
 use super::law_choice::choices;
 use super::model_source::{Attached, Extension};
@@ -48,6 +49,8 @@ pub struct Study {
     pub units: FastMap<String, String>,
     /// The parameters that may vary, and what they may vary with.
     pub variations: VariationTargets,
+    /// The equations that may lack a term, and what it may depend on.
+    pub terms: EquationTerms,
     /// Number of states of the model.
     pub states: usize,
     /// Limits, thresholds and stopping rules.
@@ -81,11 +84,13 @@ impl Study {
         let mut effects = catalogue(session, &packages, &inventory, &units);
         effects.extend(choices(&request, flat));
         effects.extend(formulas(&effects));
+        let variations = VariationTargets::new(flat, &plan, &data);
         Study {
             base: flat.name.clone(),
             experiment: flat.experiment,
             variables: flat.variables.iter().map(|v| v.name.clone()).collect(),
-            variations: VariationTargets::new(flat, &plan, &data),
+            terms: EquationTerms::new(flat, &variations.variables),
+            variations,
             units: units.into_iter().collect(),
             corrections: Vec::new(),
             states: states(flat).len(),
@@ -130,6 +135,9 @@ impl Study {
                 true => self.variations.curve_places(input),
                 false => self.variations.places(input),
             };
+        }
+        if effect.adds.is_some() {
+            return self.terms.places(effect);
         }
         let names: FastSet<&str> = self.variables.iter().map(String::as_str).collect();
         places(effect, &self.inventory, &names, plan)

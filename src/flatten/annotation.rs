@@ -45,7 +45,7 @@ pub(super) fn pairs(
     inherited(cx, (class, root), "__mocc", &mut |cx, entries| {
         for entry in entries.iter().filter(|entry| entry.key == key) {
             let Some(Const::String(text)) = entry.constant(cx) else { continue };
-            for item in text.split(',').map(str::trim).filter(|item| !item.is_empty()) {
+            for item in items(&text) {
                 let (left, right) = item.split_once('=').unwrap_or((item, ""));
                 let (left, right) = (left.trim().into(), right.trim().into());
                 found.push(Pair { left, right, span: entry.value.span });
@@ -54,6 +54,16 @@ pub(super) fn pairs(
         true
     });
     found
+}
+
+/// The parts of a text between commas that are not within the subscripts of a name.
+fn items(text: &str) -> Vec<&str> {
+    let mut depth = 0;
+    let is_separator = |c: char| {
+        depth += i32::from(c == '[') - i32::from(c == ']');
+        c == ',' && depth <= 0
+    };
+    text.split(is_separator).map(str::trim).filter(|item| !item.is_empty()).collect()
 }
 
 /// Calls `each` with the entries of the annotation `name` of a class, then of its base classes, until it returns

@@ -86,6 +86,10 @@ causes! {
         error MO0326 UnusablePassage { input: String, output: String, why: WrongPassage }
             => ("{}", why.message(input, output)),
             help("write `through = \"INPUT = COMPONENT.OUTPUT\"` with names of this model");
+        /// An annotation adds a term to an equation that cannot take it.
+        error MO0329 UnusableTerm { rate: String, term: String, why: WrongTerm }
+            => ("{}", why.message(rate, term)),
+            help("write `adds = \"der(STATE) = VARIABLE\"` with names of this model");
     }
 }
 
@@ -209,6 +213,23 @@ impl WrongPassage {
             WrongPassage::Output => {
                 format!("`{output}` is not a `Real` variable of a component of the model")
             }
+        }
+    }
+}
+
+/// Why a term cannot be added to an equation as an annotation says.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[allow(missing_docs)]
+pub enum WrongTerm {
+    Rate,
+    Term,
+}
+
+impl WrongTerm {
+    fn message(self, rate: &str, term: &str) -> String {
+        match self {
+            WrongTerm::Rate => format!("no equation determines `{rate}`"),
+            WrongTerm::Term => format!("`{term}` is not a `Real` variable of the model"),
         }
     }
 }

@@ -21,6 +21,7 @@ pub mod parameter_override;
 pub mod print;
 pub mod variable;
 mod passage;
+pub mod rate_equation;
 mod varying;
 pub mod when;
 
@@ -120,6 +121,7 @@ fn flatten_with(
     flat.experiment = experiment::inherited(cx, class, root);
     let variations = annotation::pairs(cx, (class, root), "varies");
     let passages = annotation::pairs(cx, (class, root), "through");
+    let terms = annotation::pairs(cx, (class, root), "adds");
     let structural: FastSet<InstanceId> = cx.parameters.structural.iter().copied().collect();
     for (v, (instance, _)) in cx.instance_of.iter().enumerate() {
         let v = crate::ir::expr::VarId(v as u32);
@@ -136,7 +138,8 @@ fn flatten_with(
     flat.functions = std::mem::take(&mut cx.loops.functions).into_iter().collect();
     flat.argument_units = std::mem::take(&mut cx.argument_units.noted);
     flat.graph = std::mem::take(&mut cx.graph);
-    let mut problems = varying::apply(&mut flat, &variations);
+    let mut problems = rate_equation::apply(&mut flat, &terms);
+    problems.extend(varying::apply(&mut flat, &variations));
     problems.extend(passage::apply(&mut flat, &passages));
     if !flat.transitions.is_empty() {
         flat.inner_outer = clocked::inner_outer(cx);

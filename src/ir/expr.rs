@@ -412,6 +412,11 @@ impl Graph {
         }
     }
 
+    /// The node of a variable, if an expression reads it.
+    pub fn known_variable(&self, v: VarId) -> Option<ExprId> {
+        self.variables.get(v.0 as usize).copied().flatten()
+    }
+
     /// The number, if the expression is a real or integer literal.
     pub fn as_number(&self, e: ExprId) -> Option<f64> {
         self.as_const(e).and_then(Const::number)

@@ -287,6 +287,42 @@ fn a_parameter_that_varies_is_found() {
     }
 }
 
+/// The weight of an eccentric mass in a model without connectors: a term of the equation of its rate.
+#[test]
+fn a_term_that_an_equation_lacks_is_found() {
+    let study = Study {
+        model: "wheel",
+        truth: "wheel_truth",
+        conditions: &[("M", &[0.06, 0.1, -0.08, 0.12])],
+        signals: &[("phi", "rad", 0.01)],
+        free: &["J", "d"],
+        inputs: &[],
+    };
+    let (found, scratch) = study.diagnose();
+    let values = [("A", -0.05, 1e-3), ("B", 0.0, 1e-3)];
+    assert_found(&found, &scratch, "Effects.PeriodicTerm", "der(w)", &values);
+    assert_eq!(found["effects"][0]["over"], serde_json::json!(["phi"]));
+    assert_eq!(found["effects"][0]["law"], "A sin(phi) + B cos(phi)");
+    let amended = found["amended_model"].as_str().expect("a name");
+    let text = std::fs::read_to_string(scratch.path().join("out").join(amended)).expect("a model");
+    assert!(text.contains("adds = \"der(w) = periodic_term.term\""), "{text}");
+}
+
+/// A term has the sign that it has beside the rate, however the equation is written.
+#[test]
+fn a_quadratic_drag_is_found_in_an_equation() {
+    let study = Study {
+        model: "cart",
+        truth: "cart_truth",
+        conditions: &[("v_0", &[1.0, 3.0, 0.5, 2.0])],
+        signals: &[("v", "m/s", 0.01)],
+        free: &["d"],
+        inputs: &[],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "Effects.QuadraticTerm", "der(v)", &[("a", -0.3, 0.01)]);
+}
+
 /// A law that a parameter of the model selects, with a parameter of its own that the model has at another value.
 #[test]
 fn another_law_of_the_model_is_found() {

@@ -181,7 +181,10 @@ fn annotations_name_existing_elements() {
             let names = names.strip_prefix("with ").unwrap_or(names);
             match names {
                 "amplitude" | "named" => {}
-                "varies" | "acts" => assert!(is_there(values), "{}: {values}", effect.name),
+                "of" => assert_eq!(values, "state", "{}", effect.name),
+                "varies" | "acts" | "adds" => {
+                    assert!(is_there(values), "{}: {values}", effect.name)
+                }
                 "host" => {
                     for connector in values.split(',') {
                         assert!(is_there(connector), "{}: connector {connector}", effect.name);

@@ -120,6 +120,17 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-9));
     end ViscousDrag;
 
+    model PositionDrag
+      extends OnMass(v_0 = 1);
+      Effects.PositionDrag effect(d = 3, s_lo = -1, s_hi = 1);
+    equation
+      connect(effect.flange, mass.flange);
+      // m dv = -d (s + 1)/2 ds
+      found = {v};
+      exact = {1 - 3/(2*m)*(s^2/2 + s)};
+      annotation(experiment(StopTime = 0.5, Tolerance = 1e-9));
+    end PositionDrag;
+
     model DryDrag
       extends OnMass(v_0 = 1);
       // z = 1 - exp(-s/delta) while the body slides: what it loses is the work of the friction.
@@ -619,6 +630,124 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
     end FreeVariation;
 
+    partial model Equation "A state whose equation may lack a term"
+      extends Check;
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+    equation
+      der(T) = -k*T;
+    end Equation;
+
+    model ConstantTerm
+      extends Equation;
+      Effects.ConstantTerm effect(a = 3);
+    equation
+      found = {T};
+      exact = {1.5 - 0.5*exp(-2*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(T) = effect.term"));
+    end ConstantTerm;
+
+    model LinearTerm
+      extends Equation;
+      Effects.LinearTerm effect(a = 3, x = time);
+    equation
+      found = {T};
+      exact = {1.75*exp(-2*time) + 3*(time/2 - 0.25)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(T) = effect.term"));
+    end LinearTerm;
+
+    model ProductTerm
+      extends Equation;
+      Effects.ProductTerm effect(a = 3, x = time, y = T);
+    equation
+      found = {T};
+      exact = {exp(-2*time + 1.5*time^2)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(T) = effect.term"));
+    end ProductTerm;
+
+    model FreeTerm
+      extends Equation;
+      // Knots on a straight line.
+      Effects.FreeTerm effect(f = {0, 1, 2, 3, 4, 5, 6}, x = time, x_lo = 0, x_hi = 2);
+    equation
+      found = {T};
+      exact = {1.75*exp(-2*time) + 3*(time/2 - 0.25)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(T) = effect.term"));
+    end FreeTerm;
+
+    partial model Rotor "A free rotor"
+      extends Check;
+      parameter Real J = 2;
+      Real phi(start = 0, fixed = true, unit = "rad");
+      Real w(start = 1, fixed = true);
+    equation
+      der(phi) = w;
+      J*der(w) = 0;
+    end Rotor;
+
+    model QuadraticTerm
+      extends Rotor;
+      Effects.QuadraticTerm effect(a = -0.5, x = w);
+    equation
+      found = {w};
+      exact = {1/(1 + 0.25*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(w) = effect.term"));
+    end QuadraticTerm;
+
+    model CubicTerm
+      extends Rotor;
+      Effects.CubicTerm effect(a = -1, x = w);
+    equation
+      found = {w};
+      exact = {1/sqrt(1 + time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(w) = effect.term"));
+    end CubicTerm;
+
+    model DryTerm
+      extends Rotor;
+      // z = 1 - exp(-phi/delta) while the rotor turns: what it loses is the work of the friction.
+      Effects.DryTerm effect(F = 3, delta = 0.01, x = w);
+    equation
+      found = {J*w^2/2};
+      exact = {J/2 - 3*(phi - 0.01*(1 - exp(-phi/0.01)))};
+      annotation(experiment(StopTime = 0.5, Tolerance = 1e-9), __mocc(adds = "der(w) = effect.term"));
+    end DryTerm;
+
+    model SmoothDryTerm
+      extends Rotor;
+      Effects.SmoothDryTerm effect(F = 3, x_0 = 0.5, x = w);
+    equation
+      // sinh(w/x_0) decays exponentially.
+      found = {sinh(w/0.5)};
+      exact = {sinh(1/0.5)*exp(-3/(J*0.5)*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(w) = effect.term"));
+    end SmoothDryTerm;
+
+    model PeriodicTerm
+      extends Check;
+      parameter Real J = 2;
+      Real phi(start = 0, fixed = true, unit = "rad");
+      Real w(start = 1, fixed = true);
+      Effects.PeriodicTerm effect(A = 3, B = 4, x = phi);
+    equation
+      der(phi) = 5;
+      J*der(w) = 0;
+      found = {w};
+      exact = {1 + (3*(1 - cos(5*time)) + 4*sin(5*time))/(5*J)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(w) = effect.term"));
+    end PeriodicTerm;
+
+    model RadiationTerm
+      extends Check;
+      Real T(start = 500, fixed = true, unit = "K");
+      Effects.RadiationTerm effect(a = 1e-9, x_0 = 0, x = T);
+    equation
+      der(T) = 0;
+      found = {T};
+      exact = {(500^(-3) + 3e-9*time)^(-1/3)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(T) = effect.term"));
+    end RadiationTerm;
+
     partial model Driven "An input that is integrated"
       extends Check;
       input Real u(start = 2);
@@ -830,6 +959,18 @@ package EffectTests
       exact = {exp(-3/2*time)};
       annotation(experiment(StopTime = 2, Tolerance = 1e-9));
     end BearingDamping;
+
+    model AngleDrag
+      extends Check;
+      Rotational.Inertia body(J = 2, w_start = 1);
+      Effects.AngleDrag effect(d = 3, side = -1, phi_lo = -1, phi_hi = 1);
+    equation
+      connect(effect.flange, body.flange);
+      // J dw = -d (1 - phi)/2 dphi
+      found = {body.w};
+      exact = {1 - 3/4*(body.phi - body.phi^2/2)};
+      annotation(experiment(StopTime = 0.5, Tolerance = 1e-9));
+    end AngleDrag;
 
     model FanDrag
       extends Check;
@@ -1389,6 +1530,13 @@ package EffectTests
       connect(effect.flange, spool.flange);
     end ViscousDrag;
 
+    model PositionDrag
+      extends Base;
+      Effects.PositionDrag effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end PositionDrag;
+
     model DryDrag
       extends Base;
       Effects.DryDrag effect;
@@ -1621,6 +1769,77 @@ package EffectTests
       annotation(__mocc(varies = "spring.c = effect.factor"));
     end FreeVariation;
 
+    partial model Equation "The valve beside a state with an equation of its own"
+      extends Base;
+      Real angle(start = 0, fixed = true, unit = "rad");
+      Real observed(start = 1, fixed = true);
+      Real twin(start = 1, fixed = true);
+    equation
+      der(angle) = 100*observed;
+      der(observed) = -10*observed;
+      der(twin) = -10*twin;
+    end Equation;
+
+    model ConstantTerm
+      extends Equation;
+      Effects.ConstantTerm effect;
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end ConstantTerm;
+
+    model LinearTerm
+      extends Equation;
+      Effects.LinearTerm effect(x = s);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end LinearTerm;
+
+    model QuadraticTerm
+      extends Equation;
+      Effects.QuadraticTerm effect(x = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end QuadraticTerm;
+
+    model CubicTerm
+      extends Equation;
+      Effects.CubicTerm effect(x = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end CubicTerm;
+
+    model DryTerm
+      extends Equation;
+      Effects.DryTerm effect(x = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end DryTerm;
+
+    model SmoothDryTerm
+      extends Equation;
+      Effects.SmoothDryTerm effect(x = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end SmoothDryTerm;
+
+    model PeriodicTerm
+      extends Equation;
+      Effects.PeriodicTerm effect(x = angle);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end PeriodicTerm;
+
+    model ProductTerm
+      extends Equation;
+      Effects.ProductTerm effect(x = s, y = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end ProductTerm;
+
+    model FreeTerm
+      extends Equation;
+      Effects.FreeTerm effect(x = s, x_hi = 3.5e-3);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end FreeTerm;
+
+    model RadiationTerm
+      extends Equation(observed(unit = "K"));
+      Effects.RadiationTerm effect(x = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end RadiationTerm;
+
     partial model Driven "The valve beside an input that is integrated"
       extends Base;
       input Real u(start = 2);
@@ -1774,6 +1993,13 @@ package EffectTests
     equation
       connect(effect.flange, load.flange);
     end BearingDamping;
+
+    model AngleDrag
+      extends BesideShafts;
+      Effects.AngleDrag effect;
+    equation
+      connect(effect.flange, load.flange);
+    end AngleDrag;
 
     model FanDrag
       extends BesideShafts;

@@ -409,3 +409,50 @@ equation
   connect(varistor.p, store.p);
   connect(varistor.n, store.n);
 end Truth;
+
+//@ case wheel
+//@ used by diagnose_domains.rs
+model Wheel "A wheel that is driven, in equations alone"
+  parameter Real M = 0.1;
+  parameter Real J(unit = "kg.m2") = 2e-3;
+  parameter Real d(unit = "N.m.s/rad") = 1e-2;
+  Real phi(unit = "rad", start = 0, fixed = true);
+  Real w(unit = "rad/s", start = 0, fixed = true);
+equation
+  der(phi) = w;
+  J*der(w) = M - d*w;
+  annotation(experiment(StopTime = 2, Interval = 0.01));
+end Wheel;
+
+//@ case wheel_truth
+//@ used by diagnose_domains.rs
+model Truth "The wheel is out of balance"
+  parameter Real M = 0.1;
+  Real phi(start = 0, fixed = true);
+  Real w(start = 0, fixed = true);
+equation
+  der(phi) = w;
+  2.5e-3*der(w) = M - 8e-3*w - 0.05*sin(phi);
+  annotation(experiment(StopTime = 2, Interval = 0.01));
+end Truth;
+
+//@ case cart
+//@ used by diagnose_domains.rs
+model Cart "A cart that rolls out, in equations alone and without units"
+  parameter Real v_0 = 1;
+  parameter Real d = 0.5;
+  Real v(start = v_0, fixed = true);
+equation
+  0 = -der(v) - d*v;
+  annotation(experiment(StopTime = 4, Interval = 0.02));
+end Cart;
+
+//@ case cart_truth
+//@ used by diagnose_domains.rs
+model Truth "Air drag instead of a part of the damping"
+  parameter Real v_0 = 1;
+  Real v(start = v_0, fixed = true);
+equation
+  der(v) = -0.2*v - 0.3*v*abs(v);
+  annotation(experiment(StopTime = 4, Interval = 0.02));
+end Truth;
