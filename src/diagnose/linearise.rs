@@ -38,6 +38,8 @@ pub struct Linearised {
     free: usize,
     /// Position of the first amplitude of each candidate.
     first: Vec<Option<usize>>,
+    /// Candidates whose amplitudes may have either sign.
+    is_signed: Vec<bool>,
     /// Share of the sum of squares in the recordings used.
     share: f64,
 }
@@ -51,7 +53,8 @@ impl Linearised {
             for member in *members {
                 let start = self.first[*member]?;
                 group.extend(start..start + amplitudes.len());
-                positive.extend(amplitudes.iter().map(|a| a.positive));
+                let is_signed = self.is_signed[*member];
+                positive.extend(amplitudes.iter().map(|a| a.positive && !is_signed));
             }
         }
         let mut found = score(&self.normal, self.free, &group, &positive)?;
@@ -67,10 +70,11 @@ impl Linearised {
 impl Linearised {
     /// The same without what the parameters of the hypothesis absorb, so that many scores cost little.
     pub fn projected(&self) -> Linearised {
-        let Linearised { free, first, share, .. } = self;
+        let Linearised { free, first, is_signed, share, .. } = self;
         let normal = projected(&self.normal, *free);
         let first = first.iter().map(|k| k.map(|k| k - free)).collect();
-        Linearised { normal, validation: None, free: 0, first, share: *share }
+        let is_signed = is_signed.clone();
+        Linearised { normal, validation: None, free: 0, first, is_signed, share: *share }
     }
 
     /// Decrease of the sum of squares of the recordings that were never fitted, if the amplitudes of a score
@@ -160,7 +164,9 @@ impl<'a> Linearisation<'a> {
         let at_bound = at_bound(&normal, &problem.parameters[..free], &x[..free]);
         (0..free).filter(|k| at_bound[*k]).for_each(|k| remove_column(&mut normal, k));
         let validation = validation.and_then(Result::ok).filter(NormalEquations::is_finite);
-        Some(Linearised { normal, validation, free, first, share })
+        let is_signed = |c: &Candidate| c.place.is_of_variable(&study.effects[c.effect]);
+        let is_signed = candidates.iter().map(is_signed).collect();
+        Some(Linearised { normal, validation, free, first, is_signed, share })
     }
 }
 

@@ -38,6 +38,11 @@ impl Place {
         }
     }
 
+    /// True for a term in the equation of a variable, whose sign says nothing.
+    pub fn is_of_variable(&self, effect: &Effect) -> bool {
+        effect.adds.is_some() && !self.at.iter().any(|at| at.starts_with("der("))
+    }
+
     /// The single places.
     pub fn members(&self) -> Vec<Place> {
         if self.others.is_empty() {

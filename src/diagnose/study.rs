@@ -16,6 +16,7 @@ use super::law_choice::choices;
 use super::model_source::{Attached, Extension};
 use super::place::{Place, places};
 use super::policy::SearchPolicy;
+use super::result::unit;
 use super::variation::{VariationTargets, number_recordings, states};
 
 /// Name of the generated model that has effects attached.
@@ -89,7 +90,7 @@ impl Study {
             base: flat.name.clone(),
             experiment: flat.experiment,
             variables: flat.variables.iter().map(|v| v.name.clone()).collect(),
-            terms: EquationTerms::new(flat, &variations.variables),
+            terms: EquationTerms::new(flat, &plan, &variations.variables),
             variations,
             units: units.into_iter().collect(),
             corrections: Vec::new(),
@@ -129,18 +130,33 @@ impl Study {
         if let Some(choice) = effect.choice.as_ref().filter(|c| c.is_of_model()) {
             return vec![Place::at(&choice.at)];
         }
-        if effect.varies.is_some() {
-            let Some((input, _)) = effect.binds.first() else { return Vec::new() };
-            return match effect.curve.is_some() {
-                true => self.variations.curve_places(input),
-                false => self.variations.places(input),
-            };
-        }
-        if effect.adds.is_some() {
-            return self.terms.places(effect);
+        if effect.has_free_inputs() {
+            let mut all = self.free_places(effect);
+            all.retain(|place| self.has_fitting_units(effect, place));
+            return all;
         }
         let names: FastSet<&str> = self.variables.iter().map(String::as_str).collect();
         places(effect, &self.inventory, &names, plan)
+    }
+
+    /// All places for an effect whose inputs are bound to any variables.
+    fn free_places(&self, effect: &Effect) -> Vec<Place> {
+        match effect.binds.first() {
+            _ if effect.adds.is_some() => self.terms.places(effect),
+            Some((input, _)) if effect.curve.is_some() => self.variations.curve_places(input),
+            Some((input, _)) => self.variations.places(input),
+            None => Vec::new(),
+        }
+    }
+
+    /// Whether each input is bound to a variable of its unit, if it has one and the model declares units.
+    fn has_fitting_units(&self, effect: &Effect, place: &Place) -> bool {
+        let has_units = self.variations.variables.iter().any(|v| !self.unit(v).is_empty());
+        let fits = |(input, variable): &(String, String)| {
+            let own = unit(effect, input);
+            own.is_empty() || own == self.unit(variable)
+        };
+        !has_units || place.binds.iter().all(fits)
     }
 
     /// Candidates in one model of a score test. Each may add states to a small model, and the cost of a step grows with

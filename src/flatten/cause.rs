@@ -87,9 +87,9 @@ causes! {
             => ("{}", why.message(input, output)),
             help("write `through = \"INPUT = COMPONENT.OUTPUT\"` with names of this model");
         /// An annotation adds a term to an equation that cannot take it.
-        error MO0329 UnusableTerm { rate: String, term: String, why: WrongTerm }
-            => ("{}", why.message(rate, term)),
-            help("write `adds = \"der(STATE) = VARIABLE\"` with names of this model");
+        error MO0329 UnusableTerm { determined: String, term: String, why: WrongTerm }
+            => ("{}", why.message(determined, term)),
+            help("write `adds = \"der(STATE) = VARIABLE\"` or `adds = \"VARIABLE = VARIABLE\"` with names of this model");
     }
 }
 
@@ -221,14 +221,14 @@ impl WrongPassage {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)]
 pub enum WrongTerm {
-    Rate,
+    Equation,
     Term,
 }
 
 impl WrongTerm {
-    fn message(self, rate: &str, term: &str) -> String {
+    fn message(self, determined: &str, term: &str) -> String {
         match self {
-            WrongTerm::Rate => format!("no equation determines `{rate}`"),
+            WrongTerm::Equation => format!("no equation is written for `{determined}`"),
             WrongTerm::Term => format!("`{term}` is not a `Real` variable of the model"),
         }
     }

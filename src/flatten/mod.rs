@@ -20,8 +20,8 @@ mod ownership;
 pub mod parameter_override;
 pub mod print;
 pub mod variable;
+pub mod open_equation;
 mod passage;
-pub mod rate_equation;
 mod varying;
 pub mod when;
 
@@ -138,7 +138,7 @@ fn flatten_with(
     flat.functions = std::mem::take(&mut cx.loops.functions).into_iter().collect();
     flat.argument_units = std::mem::take(&mut cx.argument_units.noted);
     flat.graph = std::mem::take(&mut cx.graph);
-    let mut problems = rate_equation::apply(&mut flat, &terms);
+    let mut problems = open_equation::apply(&mut flat, &terms);
     problems.extend(varying::apply(&mut flat, &variations));
     problems.extend(passage::apply(&mut flat, &passages));
     if !flat.transitions.is_empty() {

@@ -1,39 +1,56 @@
-//! Rate equations, and terms added to them: `annotation(__mocc(adds = "der(w) = friction.term"))`.
+//! Equations that terms can be added to: `annotation(__mocc(adds = "der(w) = friction.term"))`.
 //!
-//! The rate of a state follows from one equation, a balance of what changes the state: `J*der(w) = tau - c*w`. A model
-//! that extends another one can connect something to its connectors, but cannot change an equation that stands in its
-//! text. The vendor-specific annotation (Modelica Language Specification 3.6, section 18.1) names the rate and a
-//! variable of the model, which is added to the side opposite of the rate: a positive term increases the rate if its
-//! coefficient is positive.
+//! The rate of a state follows from one equation, a balance of what changes the state: `J*der(w) = tau - c*w`. Other
+//! variables have an equation that is solved for them: `F = c*s + d*v`. A model that extends another one can connect
+//! something to its connectors, but cannot change an equation that stands in its text. The vendor-specific annotation
+//! (Modelica Language Specification 3.6, section 18.1) names the rate or the variable, and a variable of the model that is
+//! added to the other side: a positive term increases a rate if its coefficient is positive.
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
 use crate::ir::ast::Variability;
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
-use crate::ir::flat::{EquationKind, FlatModel};
+use crate::ir::flat::{Equation, EquationKind, FlatModel};
 
 use super::annotation::Pair;
 use super::cause::{FlattenCause, WrongTerm};
 
-/// The equation that the rate of a state follows from.
+/// An equation that a term can be added to.
 #[derive(Clone, Debug)]
-pub struct RateEquation {
-    /// The state.
-    pub state: VarId,
-    /// The variables that the equation reads, without parameters.
+pub struct OpenEquation {
+    /// What follows from it.
+    pub determines: Determined,
+    /// The variables that it reads, without parameters.
     pub reads: Vec<VarId>,
     /// Place of the equation.
     pub span: Span,
     at: Slot,
-    /// The rate has a positive coefficient on the left side or a negative one on the right side.
+    /// What it determines has a positive coefficient on the left side or a negative one on the right side.
     is_left: bool,
 }
 
-impl RateEquation {
-    /// The rate, as in `der(w)`.
+/// What follows from an equation.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Determined {
+    /// The rate of a state.
+    Rate(VarId),
+    /// A variable.
+    Variable(VarId),
+}
+
+impl OpenEquation {
+    /// What it determines, as in `der(w)` or `F`.
     pub fn name(&self, flat: &FlatModel) -> String {
-        format!("der({})", flat.variables[self.state].name)
+        match self.determines {
+            Determined::Rate(state) => format!("der({})", flat.variables[state].name),
+            Determined::Variable(v) => flat.variables[v].name.clone(),
+        }
+    }
+
+    /// True if both are one equation.
+    pub fn is_same(&self, other: &OpenEquation) -> bool {
+        self.at == other.at
     }
 }
 
@@ -47,7 +64,7 @@ enum Slot {
 /// The rate equations of a model, in order: of each state, the first equation that has its rate, or a variable that is
 /// equal to its rate, and is not the rate equation of another state. An equation `der(s) = v` between two states only
 /// says what `v` is, and is not among them.
-pub fn rate_equations(flat: &FlatModel) -> Vec<RateEquation> {
+pub fn rate_equations(flat: &FlatModel) -> Vec<OpenEquation> {
     let sides = sides(flat);
     let mut states: FastSet<VarId> = FastSet::default();
     for (_, left, right, _) in &sides {
@@ -60,7 +77,7 @@ pub fn rate_equations(flat: &FlatModel) -> Vec<RateEquation> {
         aliases.extend(alias(&flat.graph, *left, *right).filter(|(v, _)| !states.contains(v)));
     }
     let is_parameter = |v: VarId| flat.variables[v].variability <= Variability::Parameter;
-    let mut found: Vec<RateEquation> = Vec::new();
+    let mut found: Vec<OpenEquation> = Vec::new();
     let mut taken: FastSet<VarId> = FastSet::default();
     for (at, left, right, span) in sides {
         if alias(&flat.graph, left, right).is_some_and(|(v, _)| aliases.contains_key(&v)) {
@@ -86,10 +103,41 @@ pub fn rate_equations(flat: &FlatModel) -> Vec<RateEquation> {
             taken.insert(state);
             let is_positive = |side| sign(&flat.graph, side, e, 0);
             let is_left = is_positive(left).unwrap_or_else(|| !is_positive(right).unwrap_or(false));
-            found.push(RateEquation { state, reads, span, at, is_left });
+            let determines = Determined::Rate(state);
+            found.push(OpenEquation { determines, reads, span, at, is_left });
         }
     }
     found
+}
+
+/// The equation that is solved for a variable, with an expression on the other side: the first one.
+pub fn explicit_equation(flat: &FlatModel, v: VarId) -> Option<OpenEquation> {
+    let own = flat.graph.known_variable(v);
+    let is_plain = |e| matches!(flat.graph.node(e), Node::Var(_) | Node::Der(_) | Node::Const(_));
+    let bound = flat.variables[v].binding.filter(|_| is_continuous(flat, v));
+    let of_equation = |(k, equation): (usize, &Equation)| match equation.kind {
+        EquationKind::Equal(left, right) if Some(left) == own => {
+            Some((Slot::Equation(k), right, equation.origin.span, true))
+        }
+        EquationKind::Equal(left, right) if Some(right) == own => {
+            Some((Slot::Equation(k), left, equation.origin.span, false))
+        }
+        _ => None,
+    };
+    let (at, other, span, is_left) = match bound {
+        Some(bound) => (Slot::Binding(v), bound, flat.variables[v].span, true),
+        None => flat.equations.iter().enumerate().find_map(of_equation)?,
+    };
+    let is_variable = |v: &VarId| flat.variables[*v].variability > Variability::Parameter;
+    let reads: Vec<VarId> = flat.graph.variables(other).into_iter().filter(is_variable).collect();
+    let determines = Determined::Variable(v);
+    let is_open = !is_plain(other) && !reads.is_empty();
+    is_open.then_some(OpenEquation { determines, reads, span, at, is_left })
+}
+
+fn is_continuous(flat: &FlatModel, v: VarId) -> bool {
+    let x = &flat.variables[v];
+    x.variability == Variability::Continuous && x.ty == Type::Real
 }
 
 /// The equations between real numbers: where they are, both sides, and the place in the source.
@@ -101,8 +149,7 @@ fn sides(flat: &FlatModel) -> Vec<(Slot, ExprId, ExprId, Span)> {
         }
     }
     for (v, x) in flat.variables.enumerate() {
-        let is_continuous = x.variability == Variability::Continuous && x.ty == Type::Real;
-        if let Some(bound) = x.binding.filter(|_| is_continuous)
+        if let Some(bound) = x.binding.filter(|_| is_continuous(flat, v))
             && let Some(own) = flat.graph.known_variable(v)
         {
             out.push((Slot::Binding(v), own, bound, x.span));
@@ -166,23 +213,28 @@ fn sign(graph: &Graph, within: ExprId, of: ExprId, depth: usize) -> Option<bool>
     }
 }
 
-/// Adds terms to rate equations, each pair a rate and a variable. Returns what cannot be done.
+/// Adds terms to equations, each pair what an equation determines and a variable. Returns what cannot be done.
 pub(super) fn apply(flat: &mut FlatModel, pairs: &[Pair]) -> Vec<Diagnostic> {
     if pairs.is_empty() {
         return Vec::new();
     }
-    let equations = rate_equations(flat);
+    let rates = rate_equations(flat);
+    let by_name = |flat: &FlatModel, name: &str| -> Option<VarId> {
+        let found = flat.variables.enumerate().find(|(_, x)| x.name == name && x.ty == Type::Real);
+        found.map(|(v, _)| v)
+    };
     let mut problems = Vec::new();
     for pair in pairs {
-        let equation = equations.iter().find(|e| e.name(flat) == pair.left);
-        let term = flat.variables.enumerate().find(|(_, x)| x.name == pair.right);
-        let term = term.filter(|(_, x)| x.ty == Type::Real).map(|(v, _)| v);
-        match (equation, term) {
-            (Some(equation), Some(term)) => add(flat, equation, term),
+        let equation = match pair.left.starts_with("der(") {
+            true => rates.iter().find(|e| e.name(flat) == pair.left).cloned(),
+            false => by_name(flat, &pair.left).and_then(|v| explicit_equation(flat, v)),
+        };
+        match (equation, by_name(flat, &pair.right)) {
+            (Some(equation), Some(term)) => add(flat, &equation, term),
             (equation, _) => {
-                let why = if equation.is_none() { WrongTerm::Rate } else { WrongTerm::Term };
-                let (rate, term) = (pair.left.clone(), pair.right.clone());
-                let cause = FlattenCause::UnusableTerm { rate, term, why };
+                let why = if equation.is_none() { WrongTerm::Equation } else { WrongTerm::Term };
+                let (determined, term) = (pair.left.clone(), pair.right.clone());
+                let cause = FlattenCause::UnusableTerm { determined, term, why };
                 problems.push(Diagnostic::new(cause, pair.span));
             }
         }
@@ -190,8 +242,8 @@ pub(super) fn apply(flat: &mut FlatModel, pairs: &[Pair]) -> Vec<Diagnostic> {
     problems
 }
 
-/// Adds a term to the side opposite of the rate.
-fn add(flat: &mut FlatModel, equation: &RateEquation, term: VarId) {
+/// Adds a term to the side opposite of what the equation determines.
+fn add(flat: &mut FlatModel, equation: &OpenEquation, term: VarId) {
     let graph = &mut flat.graph;
     let term = graph.var(term, Type::Real);
     match equation.at {

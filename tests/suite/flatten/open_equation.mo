@@ -64,6 +64,23 @@ end Pushed;
 //@ expect x[1,1] at 1 = 0 abs 1e-8
 //@ expect x[1,2] at 1 = 3 abs 1e-8
 
+//@ case a_variable_has_an_equation_that_is_solved_for_it
+//@ run stop=1 tolerance=1e-9
+model Spring
+  Real s = sin(time);
+  Real F = 2*s;
+  Real G;
+equation
+  3*s + 1 = G;
+end Spring;
+model Stiff
+  extends Spring;
+  Real cube = s^3;
+  annotation(__mocc(adds = "F = cube, G = cube"));
+end Stiff;
+//@ expect F at 1 = 2*sin(1) + sin(1)^3 abs 1e-9
+//@ expect G at 1 = 3*sin(1) + 1 + sin(1)^3 abs 1e-9
+
 //@ case terms_that_no_equation_takes
 model Rotor
   Real phi(start = 0, fixed = true);
@@ -71,6 +88,6 @@ model Rotor
 equation
   der(phi) = w;
   der(w) = -w;
-  //@ error[MO0329] 28-41: no equation determines `der(phi)`
+  //@ error[MO0329] 28-41: no equation is written for `der(phi)`
   annotation(__mocc(adds = "der(phi) = w"));
 end Rotor;
