@@ -166,12 +166,11 @@ impl Evaluator<'_> {
         self.graph.if_then_else(*case, yes, no)
     }
 
-    /// A field of a record that a function computes. Fields of discrete type, such as the phase of a medium, would
-    /// change between events without those of the comparisons that they are made of: they get them back.
+    /// A field of a record that a function computes. An Integer, such as the phase of a medium, would change between
+    /// events without those of the comparisons that it is made of: it gets them back.
     pub(crate) fn with_own_events(&mut self, field: &Value) -> Value {
         field.each_scalar(&mut |e| {
-            let is_discrete = !matches!(self.graph.ty(e), Type::Real | Type::String | Type::Clock);
-            if !is_discrete || !self.changes_between_events(e) {
+            if self.graph.ty(e) != Type::Integer || !self.changes_between_events(e) {
                 return e;
             }
             let with_events = self.without_no_event(e);

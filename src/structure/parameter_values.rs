@@ -3,8 +3,9 @@
 use crate::base::index::{FastMap, Id};
 use crate::ir::dae::Dae;
 use crate::ir::expr::{Const, ExprId, Graph, Node, VarId};
-use crate::symbolic::eval;
+use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::rewrite::Rewriter;
+use crate::symbolic::{eval, linear};
 
 /// The known parameters, and the values of expressions of them.
 pub struct ParameterValues {
@@ -51,6 +52,27 @@ impl ParameterValues {
             self.numbers.push(self.evaluate(graph, next));
         }
         self.numbers[e.idx()]
+    }
+
+    /// The coefficients of a residual by unknowns, at the place of each, if it is linear in them and
+    /// the coefficients are constant.
+    pub fn coefficients(
+        &mut self,
+        graph: &mut Graph,
+        residual: ExprId,
+        place: &FastMap<VarId, usize>,
+    ) -> Option<Vec<f64>> {
+        if linear::hidden_variables(graph, residual).iter().any(|v| place.contains_key(v)) {
+            return None;
+        }
+        let wanted = |leaf| matches!(leaf, Leaf::Var(v) if place.contains_key(&v));
+        let mut row = vec![0.0; place.len()];
+        for (leaf, partial) in gradient(graph, residual, wanted) {
+            let Leaf::Var(v) = leaf else { continue };
+            let value = self.number(graph, partial).filter(|x| x.is_finite())?;
+            row[place[&v]] = value;
+        }
+        Some(row)
     }
 
     fn evaluate(&self, graph: &Graph, e: ExprId) -> Option<f64> {

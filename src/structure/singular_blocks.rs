@@ -84,27 +84,11 @@ impl SingularityCheck<'_> {
             members.iter().enumerate().map(|(k, v)| (*v, k)).collect();
         let mut matrix = Vec::with_capacity(order);
         for &source in &sources {
-            matrix.push(self.coefficients(source, &place)?);
+            let residual = solve::residual(self.dae, source);
+            matrix.push(self.values.coefficients(&mut self.dae.graph, residual, &place)?);
         }
         let null_space = NullSpace::of(&matrix);
         (!null_space.right.is_empty()).then_some(SingularBlock { members, sources, null_space })
-    }
-
-    /// The coefficients of an equation, if they are constant.
-    fn coefficients(&mut self, source: Source, place: &FastMap<VarId, usize>) -> Option<Vec<f64>> {
-        let residual = solve::residual(self.dae, source);
-        let graph = &mut self.dae.graph;
-        if linear::hidden_variables(graph, residual).iter().any(|v| place.contains_key(v)) {
-            return None;
-        }
-        let wanted = |leaf| matches!(leaf, Leaf::Var(v) if place.contains_key(&v));
-        let mut row = vec![0.0; place.len()];
-        for (leaf, partial) in gradient(graph, residual, wanted) {
-            let Leaf::Var(v) = leaf else { continue };
-            let value = self.values.number(graph, partial).filter(|x| x.is_finite())?;
-            row[place[&v]] = value;
-        }
-        Some(row)
     }
 
     /// True if the equations have no solution for general values of everything else.
