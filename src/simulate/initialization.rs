@@ -56,7 +56,7 @@ pub fn initialise(machine: &mut Machine<'_>, settings: &Settings) -> Result<Star
     // Finally, solutions far from the start values are allowed.
     machine.branch_switch = true;
     if found.is_err() {
-        found = initialise_from(machine, settings, &[]);
+        found = from_homotopy(machine, settings);
     }
     if found.is_err() && differs {
         found = from_states(machine, settings);
@@ -80,7 +80,12 @@ fn from_states(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start, 
 /// section 3.7.4.4).
 fn from_homotopy(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start, StartError> {
     if let Some(continuation) = &machine.program.continuation
-        && let Some(guess) = homotopy::follow(continuation, settings, machine.starts_by_states)
+        && let Some(guess) = homotopy::follow(
+            continuation,
+            settings,
+            machine.starts_by_states,
+            machine.branch_switch,
+        )
         && let Ok(start) = initialise_from(machine, settings, &guess)
     {
         return Ok(start);

@@ -1,14 +1,14 @@
 //! Linear equations of which there is one too many.
 //!
-//! *In:* residuals that are linear in some unknowns, with coefficients that are known at compile time, one more than
-//! unknowns. *Out:* whether one equation is a combination of the others, so that it may be left out. The currents of
-//! lines in series that all start at rest are such: each start follows from the others.
+//! *In:* residuals that are linear in some unknowns, one more than unknowns. *Out:* whether one equation is a
+//! combination of the others, so that it may be left out. The currents of lines in series that all start at rest are
+//! such: each start follows from the others. Everything else that the equations read has the values of the parameters,
+//! or any: what holds there holds in general.
 
 use super::parameter_values::ParameterValues;
 use crate::base::index::FastMap;
-use crate::ir::expr::{ExprId, Graph, Node, VarId};
+use crate::ir::expr::{ExprId, Graph, VarId};
 use crate::numeric::null_space::NullSpace;
-use crate::symbolic::rewrite::Rewriter;
 
 /// Larger systems are reported instead.
 const MAX_ORDER: usize = 400;
@@ -31,32 +31,24 @@ pub fn is_consistent(
     let mut matrix = Vec::with_capacity(order);
     let mut constants = Vec::with_capacity(order);
     for &residual in residuals {
-        let Some(mut row) = values.coefficients(graph, residual, place) else { return false };
+        let Some(mut row) = values.coefficients(graph, residual, place, |values, graph, e| {
+            let is_open = graph.variables(e).iter().any(|v| place.contains_key(v));
+            (!is_open).then(|| values.sample(graph, e, |_| false))
+        }) else {
+            return false;
+        };
         // A column of zeros makes the matrix square.
         row.push(0.0);
         matrix.push(row);
-        match constant(graph, residual, place, values) {
-            Some(c) => constants.push(c),
-            None => return false,
+        let constant = values.sample(graph, residual, |v| place.contains_key(&v));
+        if !constant.is_finite() {
+            return false;
         }
+        constants.push(constant);
     }
     let null_space = NullSpace::of(&matrix);
     let [combination] = null_space.left.as_slice() else { return false };
     let terms = || combination.iter().zip(&constants).map(|(w, c)| w * c);
     let (sum, size): (f64, f64) = (terms().sum(), terms().map(f64::abs).sum());
     left_out.is_none_or(|k| combination[k] != 0.0) && sum.abs() <= TOLERANCE * size
-}
-
-/// The residual where all unknowns are zero.
-fn constant(
-    graph: &mut Graph,
-    residual: ExprId,
-    place: &FastMap<VarId, usize>,
-    values: &mut ParameterValues,
-) -> Option<f64> {
-    let at_zero = Rewriter::new().apply(graph, residual, &mut |g, n| match g.node(n) {
-        Node::Var(v) if place.contains_key(&v) => Some(g.real(0.0)),
-        _ => None,
-    });
-    values.number(graph, at_zero).filter(|x| x.is_finite())
 }

@@ -54,13 +54,14 @@ impl ParameterValues {
         self.numbers[e.idx()]
     }
 
-    /// The coefficients of a residual by unknowns, at the place of each, if it is linear in them and
-    /// the coefficients are constant.
+    /// The coefficients of a residual by unknowns, at the place of each, if it is linear in them; `value` gives the
+    /// values of the coefficients.
     pub fn coefficients(
         &mut self,
         graph: &mut Graph,
         residual: ExprId,
         place: &FastMap<VarId, usize>,
+        mut value: impl FnMut(&mut Self, &Graph, ExprId) -> Option<f64>,
     ) -> Option<Vec<f64>> {
         if linear::hidden_variables(graph, residual).iter().any(|v| place.contains_key(v)) {
             return None;
@@ -69,10 +70,27 @@ impl ParameterValues {
         let mut row = vec![0.0; place.len()];
         for (leaf, partial) in gradient(graph, residual, wanted) {
             let Leaf::Var(v) = leaf else { continue };
-            let value = self.number(graph, partial).filter(|x| x.is_finite())?;
-            row[place[&v]] = value;
+            row[place[&v]] = value(self, graph, partial).filter(|x| x.is_finite())?;
         }
         Some(row)
+    }
+
+    /// The value of an expression at the values of the parameters and some values of everything
+    /// else: what vanishes there vanishes in general. Variables in `zero` are 0.
+    pub fn sample(&self, graph: &Graph, root: ExprId, zero: impl Fn(VarId) -> bool) -> f64 {
+        // Fractions of the golden ratio are far from all simple relations.
+        let any = |k: usize| 0.5 + (k as f64 * 0.618_033_988_749_894_9).fract();
+        let variable = |v: VarId| match zero(v) {
+            true => Some(0.0),
+            false => self.literal(graph, v).or_else(|| Some(any(v.idx()))),
+        };
+        let mut values: FastMap<ExprId, f64> = FastMap::default();
+        for e in graph.postorder([root]) {
+            let of = |a: ExprId| values.get(&a).copied();
+            let value = evaluate(graph, e, of, variable);
+            values.insert(e, value.unwrap_or_else(|| any(e.idx())));
+        }
+        values[&root]
     }
 
     fn evaluate(&self, graph: &Graph, e: ExprId) -> Option<f64> {

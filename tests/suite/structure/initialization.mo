@@ -132,10 +132,10 @@ end Coils;
 //@ case currents_of_a_node_that_start_in_different_ways
 model Coils
   parameter Real k = -1;
-  //@ error[MO0408] 8
   Real i, i1, i2;
   Real v;
 initial equation
+  //@ error[MO0408] 3-14
   der(i) = k*i;
   der(i1) = k*i1;
   der(i2) = 2*k*i2 + 1;
