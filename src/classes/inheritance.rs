@@ -665,6 +665,7 @@ impl ClassGraph<'_> {
                     == written(b.component().modification.as_deref()))
     }
 
+    /// The type of an enumeration, which any other with the same literals has too.
     fn enumeration(
         &mut self,
         text: &Arc<ast::Class>,
@@ -675,9 +676,14 @@ impl ClassGraph<'_> {
         if let Some(id) = self.enumerations.get(&key) {
             return *id;
         }
-        let full_name = self.classes[class].full_name.to_string();
-        let literals = literals.iter().map(|l| l.name.name).collect();
-        let id = self.graph.enumerations.push(Enumeration { name: full_name, literals });
+        let literals: Vec<_> = literals.iter().map(|l| l.name.name).collect();
+        // Two with the same literals are of one type (section 6.7 of the specification).
+        let known = &self.graph.enumerations;
+        let same = known.ids().find(|id| known[*id].literals == literals);
+        let id = same.unwrap_or_else(|| {
+            let name = self.classes[class].full_name.to_string();
+            self.graph.enumerations.push(Enumeration { name, literals })
+        });
         self.enumerations.insert(key, id);
         id
     }

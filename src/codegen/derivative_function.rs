@@ -1,5 +1,6 @@
-//! Exact derivatives of functions without loops: each gets another function, whose outputs are the partial
-//! derivatives of its outputs by its inputs. Those of loops and recursions are differences of two calls.
+//! Exact derivatives of functions. One without loops and calls gets another function, whose outputs are the partial
+//! derivatives of its outputs by its inputs; others get one that computes the derivatives along a direction. Those of
+//! loops, and of functions that call themselves, are differences of two calls.
 //!
 //! Selections are differentiated branch by branch, as in [`super::jacobian`].
 
@@ -7,44 +8,79 @@ use std::collections::BTreeMap;
 
 use crate::base::index::FastMap;
 use crate::ir::dae::Dae;
-use crate::ir::expr::{Binary, ExprId, FunctionId, Graph, Node, Type};
+use crate::ir::expr::{Binary, ExprId, FunctionId, Graph, ListId, Node, Type};
 use crate::ir::flat::{Function, LocalId, Statement, StraightLine};
+use crate::symbolic::function_derivative::{FunctionDerivatives, by_argument};
 use crate::symbolic::gradient::partials;
 
 /// The derivatives of one expression by the inputs that it depends on.
 type Row = BTreeMap<u32, ExprId>;
 
 /// The functions that compute derivatives.
-#[derive(Default)]
 pub struct Derivatives {
     /// For each function that has one: its derivatives, and the outputs of these by output and input.
     of: FastMap<FunctionId, (FunctionId, FastMap<(u32, u32), u32>)>,
+    /// Those along a direction, and differences.
+    along: FunctionDerivatives,
     /// The function that each one belongs to.
-    pub primal: FastMap<FunctionId, FunctionId>,
+    primal: FastMap<FunctionId, FunctionId>,
 }
 
 impl Derivatives {
-    /// The function and the output that are the derivative of an output by an input: `None` if it has to be
-    /// approximated, `Some(None)` if it is zero.
-    pub fn find(
-        &self,
-        f: FunctionId,
-        output: u32,
-        input: u32,
-    ) -> Option<Option<(FunctionId, u32)>> {
-        let (derivative, outputs) = self.of.get(&f)?;
-        Some(outputs.get(&(output, input)).map(|k| (*derivative, *k)))
+    /// The derivative of an output of a call by an argument; `None` if it is zero.
+    pub fn of_call(
+        &mut self,
+        graph: &mut Graph,
+        (f, output, argument): (FunctionId, u32, u32),
+        args: ListId,
+    ) -> Option<ExprId> {
+        if let Some((function, outputs)) = self.of.get(&f) {
+            let output = *outputs.get(&(output, argument))?;
+            let call = Node::Call { function: *function, output, args };
+            return Some(graph.intern(call, Type::Real));
+        }
+        let arguments = graph.list(args).to_vec();
+        let by = argument as usize;
+        if graph.ty(arguments[by]) != Type::Real {
+            return None;
+        }
+        match self.along.find(f) {
+            Some(derivative) => Some(by_argument(graph, derivative, output, &arguments, by)),
+            None => self.along.by_difference(graph, (f, output, argument), args),
+        }
+    }
+
+    /// The function that is called, and of a difference the output and the argument that it differentiates by.
+    pub fn called(&self, f: FunctionId) -> (FunctionId, Option<(usize, usize)>) {
+        match self.along.difference(f) {
+            Some((primal, output, by)) => (primal, Some((output as usize, by as usize))),
+            None => (f, None),
+        }
+    }
+
+    /// The call that a call of a derivative belongs to; others are their own.
+    pub fn primal(&self, dae: &mut Dae, f: FunctionId, args: ListId) -> (FunctionId, ListId) {
+        let Some(&primal) = self.primal.get(&f) else { return (f, args) };
+        let count = dae.functions[primal].inputs.len();
+        let args = dae.graph.list(args)[..count].to_vec();
+        (primal, dae.graph.intern_list(&args))
     }
 }
 
 /// Adds the functions of derivatives to a system.
 pub fn add(dae: &mut Dae) -> Derivatives {
-    let mut found = Derivatives::default();
+    let along = FunctionDerivatives::with_differences();
+    let mut found = Derivatives { of: FastMap::default(), along, primal: FastMap::default() };
     for f in dae.functions.ids().collect::<Vec<_>>() {
-        let Some(body) = dae.functions[f].straight_line() else { continue };
-        if !is_smooth_by_parts(&dae.graph, &body) {
+        let body = dae.functions[f].straight_line();
+        let Some(body) = body.filter(|body| is_smooth_by_parts(&dae.graph, body)) else {
+            if found.along.add_function(&mut dae.graph, &mut dae.functions, f)
+                && let Some(derivative) = found.along.find(f)
+            {
+                found.primal.insert(derivative, f);
+            }
             continue;
-        }
+        };
         let rows = rows(&mut dae.graph, &dae.functions[f], &body);
         let (function, outputs) = function_of(&mut dae.graph, &dae.functions[f], rows);
         let derivative = dae.functions.push(function);

@@ -61,9 +61,6 @@ pub struct Emitter {
     pub continuous_level: Level,
     /// Blocks, calls and functions compiled so far.
     pub routines: Routines,
-    /// Partial derivatives of functions: function, output, argument. They are called by the ids
-    /// after those of the functions.
-    pub partials: Vec<(FunctionId, u32, u32)>,
     /// Relations, clocks and actions at events compiled so far.
     pub events: Events,
     /// Slots of clocks and delays that the initial tape fills, because initialization determines
@@ -90,7 +87,7 @@ impl Emitter {
     /// An emitter for a system, before any block is compiled.
     pub fn new(mut dae: Dae) -> Self {
         let derivatives = derivative_function::add(&mut dae);
-        let expensive_functions = expensive_functions(&dae);
+        let expensive_functions = expensive_functions(&dae, &derivatives);
         let sink_conditions = sink_conditions(&mut dae, &expensive_functions);
         let count = dae.variables.len();
         let substitutions = dae.eliminated.iter().copied().collect();
@@ -106,7 +103,6 @@ impl Emitter {
             floor: DISCRETE,
             continuous_level: DISCRETE,
             routines: Routines::default(),
-            partials: Vec::new(),
             events: Events::default(),
             initialized: Vec::new(),
             bounds: Vec::new(),
@@ -431,20 +427,13 @@ impl Emitter {
             level = level.max(l);
             slots.push(slot);
         }
-        let count = self.dae.functions.len();
-        let (called, partial) = match function.idx().checked_sub(count) {
-            Some(k) => {
-                let (f, output, arg) = self.partials[k];
-                (f, Some((output as usize, arg as usize)))
-            }
-            None => (function, None),
-        };
+        let (called, partial) = self.derivatives.called(function);
         let outputs = if partial.is_some() { 1 } else { self.dae.functions[called].outputs.len() };
         let base = self.new_slots(outputs.max(1), 0.0);
         let results = (base..base + outputs as Slot).collect();
         // Derivatives are needed where the values are.
-        let primal = self.derivatives.primal.get(&called).copied().unwrap_or(called);
-        let condition = self.sink_conditions.get(&(primal, args)).copied().map(|g| self.emit(g));
+        let primal = self.derivatives.primal(&mut self.dae, called, args);
+        let condition = self.sink_conditions.get(&primal).copied().map(|g| self.emit(g));
         // A continuously varying call is sunk to its condition. A call that changes less often than
         // the condition is computed unconditionally.
         let condition = condition.filter(|(_, l)| *l <= level || level >= CONTINUOUS);

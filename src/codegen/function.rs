@@ -4,48 +4,63 @@
 //! A function owns the slots of its locals, so calls need no stack. A recursive function saves them
 //! in a frame (`runtime::frame`).
 
-use crate::base::index::{FastMap, FastSet, Id};
+use crate::base::index::{FastMap, FastSet, Id, IndexVec};
 use crate::base::source::Span;
 use crate::ir::dae::Dae;
 use crate::ir::expr::{ExprId, FunctionId, Graph, ListId, Node, Unary, VarId};
 use crate::ir::flat::{AssertionLevel, Function, LocalId, Statement};
 use crate::ir::program::{CallSite, FunctionCode, Instr, Op, Slot, Tape};
 
+use super::derivative_function::Derivatives;
 use super::emit::Emitter;
 use super::error;
 use super::lazy_branches::{Schedule, short_circuit};
 use super::string_ops;
 
-/// Compiles all functions of the model.
-pub fn compile_all(e: &mut Emitter) {
+/// Compiles the functions that the model calls, once all calls are known. The others have no code.
+pub fn compile_called(e: &mut Emitter) {
+    let mut is_called: IndexVec<FunctionId, bool> = IndexVec::filled(false, e.dae.functions.len());
+    for k in 0..e.routines.calls.len() {
+        let f = FunctionId::from_usize(e.routines.calls[k].function);
+        if !std::mem::replace(&mut is_called[f], true) {
+            reached(&e.dae, &e.derivatives, f).into_iter().for_each(|g| is_called[g] = true);
+        }
+    }
     for f in e.dae.functions.ids() {
-        let function = e.dae.functions[f].clone();
-        e.span = function.span;
-        let is_recursive = reached(&e.dae, f).contains(&f);
-        let code = FunctionCode { is_recursive, ..Body::compile(e, &function) };
+        let code = match is_called[f] {
+            true => compile(e, f),
+            false => FunctionCode::default(),
+        };
         e.routines.functions.push(code);
     }
 }
 
+fn compile(e: &mut Emitter, f: FunctionId) -> FunctionCode {
+    let function = e.dae.functions[f].clone();
+    e.span = function.span;
+    let is_recursive = reached(&e.dae, &e.derivatives, f).contains(&f);
+    FunctionCode { is_recursive, ..Body::compile(e, &function) }
+}
+
 /// The functions that `f` calls directly or indirectly, including `f` if it is recursive.
-pub fn reached(dae: &Dae, f: FunctionId) -> Vec<FunctionId> {
-    let mut seen = vec![false; dae.functions.len()];
-    let mut pending = callees(dae, f);
+pub fn reached(dae: &Dae, derivatives: &Derivatives, f: FunctionId) -> Vec<FunctionId> {
+    let mut seen: IndexVec<FunctionId, bool> = IndexVec::filled(false, dae.functions.len());
+    let mut pending = callees(dae, derivatives, f);
     let mut found = Vec::new();
     while let Some(g) = pending.pop() {
-        if g.idx() < seen.len() && !std::mem::replace(&mut seen[g.idx()], true) {
+        if g.idx() < seen.len() && !std::mem::replace(&mut seen[g], true) {
             found.push(g);
-            pending.extend(callees(dae, g));
+            pending.extend(callees(dae, derivatives, g));
         }
     }
     found
 }
 
 /// The functions that the body of `f` calls.
-fn callees(dae: &Dae, f: FunctionId) -> Vec<FunctionId> {
+fn callees(dae: &Dae, derivatives: &Derivatives, f: FunctionId) -> Vec<FunctionId> {
     let nodes = dae.graph.postorder(dae.functions[f].values());
     let calls = nodes.into_iter().filter_map(|n| match dae.graph.node(n) {
-        Node::Call { function, .. } => Some(function),
+        Node::Call { function, .. } => Some(derivatives.called(function).0),
         _ => None,
     });
     calls.collect()
@@ -281,19 +296,22 @@ impl Body {
         computed: &mut ComputedValues,
     ) -> Slot {
         let dst = e.new_slot(0.0);
-        let branches = [true, false].map(|holds| schedule.in_branch(n, holds));
+        let open = |e: &&ExprId| !computed.slots.contains_key(*e);
+        let branches = [true, false]
+            .map(|holds| schedule.in_branch(n, holds).iter().filter(open).copied().collect());
+        let branches: [Vec<ExprId>; 2] = branches;
         if branches.iter().all(|list| is_cheap(&e.dae.graph, list)) {
-            branches.into_iter().for_each(|list| self.scheduled(e, schedule, list, computed));
+            branches.iter().for_each(|list| self.scheduled(e, schedule, list, computed));
             self.push(Op::Copy, dst, computed.slots[&b], computed.slots[&b]);
             self.push(Op::CopyIf, dst, computed.slots[&c], computed.slots[&a]);
             return dst;
         }
         let unless = self.push(Op::JumpUnless, 0, computed.slots[&c], 0);
-        self.scheduled(e, schedule, branches[0], computed);
+        self.scheduled(e, schedule, &branches[0], computed);
         self.push(Op::Copy, dst, computed.slots[&a], computed.slots[&a]);
         let over = self.push(Op::Jump, 0, 0, 0);
         self.patch(unless);
-        self.scheduled(e, schedule, branches[1], computed);
+        self.scheduled(e, schedule, &branches[1], computed);
         self.push(Op::Copy, dst, computed.slots[&b], computed.slots[&b]);
         self.patch(over);
         dst
@@ -308,13 +326,14 @@ impl Body {
         computed: &mut ComputedValues,
     ) -> Slot {
         let slots = e.dae.graph.list(args).iter().map(|a| computed.slots[a]).collect();
-        let count = e.dae.functions[f].outputs.len();
+        let (called, partial) = e.derivatives.called(f);
+        let count = if partial.is_some() { 1 } else { e.dae.functions[called].outputs.len() };
         let base = e.new_slots(count.max(1), 0.0);
         e.routines.calls.push(CallSite {
-            function: f.idx(),
+            function: called.idx(),
             args: slots,
             results: (base..base + count as Slot).collect(),
-            partial: None,
+            partial,
             condition: None,
             memo: None,
         });

@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::base::index::{FastMap, FastSet, Id};
+use crate::base::index::{FastMap, FastSet};
 use crate::ir::blocks::{Block, Torn};
 use crate::ir::expr::{Binary, ExprId, FunctionId, ListId, Node, Type, VarId};
 use crate::ir::program::{BlockDerivative, Entry, Op};
@@ -143,7 +143,9 @@ impl Rows {
             if inner.is_empty() {
                 continue;
             }
-            let Some(partial) = partial(e, (f, output, i as u32), args) else { continue };
+            let key = (f, output, i as u32);
+            let partial = e.derivatives.of_call(&mut e.dae.graph, key, args);
+            let Some(partial) = partial else { continue };
             for (seed, d) in inner {
                 let term = e.dae.graph.mul(partial, d);
                 accumulate(e, &mut sum, seed, term);
@@ -151,23 +153,6 @@ impl Rows {
         }
         sum.into_iter().collect()
     }
-}
-
-/// The derivative of an output of a call by an argument; `None` if it is zero.
-fn partial(e: &mut Emitter, key: (FunctionId, u32, u32), args: ListId) -> Option<ExprId> {
-    let (f, output, argument) = key;
-    let (function, output) = match e.derivatives.find(f, output, argument) {
-        Some(exact) => exact?,
-        None => {
-            let known = e.partials.iter().position(|p| *p == key);
-            let k = known.unwrap_or_else(|| {
-                e.partials.push(key);
-                e.partials.len() - 1
-            });
-            (FunctionId::from_usize(e.dae.functions.len() + k), 0)
-        }
-    };
-    Some(e.dae.graph.intern(Node::Call { function, output, args }, Type::Real))
 }
 
 fn is_special(e: &Emitter, n: ExprId) -> bool {

@@ -1,5 +1,6 @@
 //! Finds the expressions of a function that are needed in one branch of an `if` only, so that code
-//! with jumps computes them only if the branch is taken.
+//! with jumps computes them only if the branch is taken. Selections by the same condition share their branches: what
+//! two outputs of a function need in the same region of a medium is computed in that region only.
 
 use crate::base::index::FastMap;
 use crate::ir::expr::{Binary, ExprId, FunctionId, Graph, ListId, Node, Type, Unary};
@@ -11,7 +12,8 @@ pub struct Schedule {
     places: Nesting,
     /// The expressions of each branch, operands first.
     expressions: Vec<Vec<ExprId>>,
-    branches: FastMap<(ExprId, bool), usize>,
+    /// The branches of each selection, taken if the condition holds and if it does not.
+    branches: FastMap<ExprId, [usize; 2]>,
 }
 
 /// A condition whose operands that call functions are computed only where the operand before does not decide.
@@ -49,6 +51,7 @@ impl Schedule {
         let mut at: FastMap<ExprId, usize> = roots.iter().map(|e| (*e, 0)).collect();
         let mut calls: FastMap<Called, usize> = FastMap::default();
         let mut outputs: FastMap<Called, Vec<ExprId>> = FastMap::default();
+        let mut shared: FastMap<(usize, ExprId), [usize; 2]> = FastMap::default();
         for &e in &below {
             if let Node::Call { function, args, .. } = graph.node(e) {
                 outputs.entry((function, args)).or_default().push(e);
@@ -62,10 +65,13 @@ impl Schedule {
             match graph.node(e) {
                 Node::If(c, a, b) => {
                     used(&mut schedule, c, place);
-                    for (branch, holds) in [(a, true), (b, false)] {
-                        let inside = schedule.branch(e, holds, place);
-                        used(&mut schedule, branch, inside);
-                    }
+                    let places = &mut schedule.places;
+                    let branches = *shared
+                        .entry((place, c))
+                        .or_insert_with(|| [places.inside(place), places.inside(place)]);
+                    schedule.branches.insert(e, branches);
+                    used(&mut schedule, a, branches[0]);
+                    used(&mut schedule, b, branches[1]);
                 }
                 Node::Call { function, args, .. } => {
                     let known = calls.entry((function, args)).or_insert(place);
@@ -93,13 +99,11 @@ impl Schedule {
         &self.expressions[0]
     }
 
-    /// The expressions that only a branch of an `if` needs.
+    /// The expressions that only a branch of a selection needs, or of an earlier one by the same condition.
     pub fn in_branch(&self, e: ExprId, holds: bool) -> &[ExprId] {
-        self.branches.get(&(e, holds)).map_or(&[], |place| &self.expressions[*place])
-    }
-
-    fn branch(&mut self, e: ExprId, holds: bool, around: usize) -> usize {
-        let places = &mut self.places;
-        *self.branches.entry((e, holds)).or_insert_with(|| places.inside(around))
+        let Some(branches) = self.branches.get(&e) else { return &[] };
+        let all = &self.expressions[branches[usize::from(!holds)]];
+        // Later selections by the same condition may read what is not computed yet.
+        &all[..all.partition_point(|n| *n < e)]
     }
 }

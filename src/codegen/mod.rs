@@ -70,7 +70,6 @@ pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems>
         order.algebraics = algebraic::find(&mut emitter, &order);
     }
     layout::allocate(&mut emitter, &order);
-    function::compile_all(&mut emitter);
     sequence::parameters(&mut emitter, &order);
     let at_start = sequence::initial(&mut emitter, &order);
     let by_states = sequence::initial_by_states(&mut emitter, &order);
@@ -83,6 +82,7 @@ pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems>
         emitter.layout.delays[k].moves = level.is_none_or(|level| level > emit::DISCRETE);
     }
     let (state_selection, set_slots) = state_selection::compile(&mut emitter, &state_sets);
+    function::compile_called(&mut emitter);
     if emitter.problems.has_errors() {
         return Err(emitter.problems);
     }

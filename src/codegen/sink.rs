@@ -8,6 +8,7 @@ use crate::ir::expr::{ExprId, FunctionId, ListId, Node};
 use crate::ir::flat::{Function, Statement};
 use crate::symbolic::uses::{Root, Uses};
 
+use super::derivative_function::Derivatives;
 use super::function::reached;
 
 /// Number of statements from which on a function counts as large.
@@ -77,28 +78,20 @@ fn without_cycles(dae: &Dae, found: Vec<(CallKey, ExprId)>) -> FastMap<CallKey, 
 
 /// The functions whose calls may be expensive: recursive ones, those that execute a loop, and those
 /// that are large including everything they call.
-pub fn expensive_functions(dae: &Dae) -> FastSet<FunctionId> {
+pub fn expensive_functions(dae: &Dae, derivatives: &Derivatives) -> FastSet<FunctionId> {
     let is_expensive = |f: &FunctionId| {
-        let called = reached(dae, *f);
+        let called = reached(dae, derivatives, *f);
         if called.contains(f) {
             return true;
         }
         let all: Vec<&Function> =
             called.into_iter().chain([*f]).map(|g| &dae.functions[g]).collect();
         let operations = |g: &&Function| dae.graph.postorder(g.values()).len();
-        all.iter().any(|g| has_loop(&g.body))
+        all.iter().any(|g| g.has_loop())
             || all.iter().map(|g| count(&g.body)).sum::<usize>() > LARGE_BODY
             || all.iter().map(operations).sum::<usize>() > MANY_OPERATIONS
     };
     dae.functions.ids().filter(is_expensive).collect()
-}
-
-fn has_loop(body: &[Statement]) -> bool {
-    body.iter().any(|statement| match statement {
-        Statement::While(..) => true,
-        Statement::If(_, a, b) => has_loop(a) || has_loop(b),
-        _ => false,
-    })
 }
 
 fn count(body: &[Statement]) -> usize {

@@ -12,6 +12,7 @@ use super::function;
 use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
+use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::classes::cause::Alternatives;
 use crate::ir::ast::{Expr, ExprKind, Variability};
@@ -117,32 +118,42 @@ impl Evaluator<'_> {
         }
     }
 
-    /// True if the binding of the enclosing record comes from further outside than that of the
+    /// True if the binding of an enclosing record comes from further outside than that of the
     /// instance: the record as a whole then overrides the fields of its class (section 7.2.4).
     pub(super) fn is_overridden(&self, id: InstanceId) -> bool {
-        let Some(parent) = self.instances[id].parent else { return false };
         // A constant with a value is not a field that a constructor could set.
         if self.instances[id].declaration.as_ref().is_some_and(function::is_constant) {
             return false;
         }
-        match self.instances[parent].kind {
-            InstanceKind::Object(_) => {}
-            // An element follows its array.
-            InstanceKind::Array { .. } => return self.is_overridden(parent),
-            _ => return false,
-        }
-        let name = self.instances[id].name;
-        let mut own = Vec::new();
-        for layer in self.instances[parent].layers.iter() {
-            layer.child(name, &mut own);
-            if own.iter().any(Layer::binds) {
-                return false;
+        let mut path = Vec::new();
+        let mut around = Vec::new();
+        let mut at = id;
+        while let Some(parent) = self.instances[at].parent {
+            match self.instances[parent].kind {
+                InstanceKind::Object(_) => {
+                    path.push(self.instances[at].name);
+                    if self.instances[parent].layers.iter().any(Layer::binds) {
+                        around.push((parent, path.len()));
+                    }
+                }
+                // An element follows its array.
+                InstanceKind::Array { .. } => {}
+                _ => break,
             }
-            if layer.binds() {
-                return true;
+            at = parent;
+        }
+        // What is said of an outer component comes from further outside than what is said of an inner one.
+        for (holder, depth) in around.into_iter().rev() {
+            for layer in self.instances[holder].layers.iter() {
+                if binds_below(layer, &path[..depth]) {
+                    return false;
+                }
+                if layer.binds() {
+                    return true;
+                }
             }
         }
-        self.is_overridden(parent)
+        false
     }
 
     /// True if the instance or a record around it has a binding.
@@ -283,4 +294,18 @@ impl Evaluator<'_> {
         }
         value.select(subscripts).unwrap_or(value)
     }
+}
+
+/// Whether a modification of a component binds the one to which this path leads, from its end on.
+fn binds_below(layer: &Layer, path: &[Name]) -> bool {
+    let mut layers = vec![layer.clone()];
+    for name in path.iter().rev() {
+        let mut below = Vec::new();
+        layers.iter().for_each(|layer| layer.child(*name, &mut below));
+        layers = below;
+        if layers.is_empty() {
+            return false;
+        }
+    }
+    layers.iter().any(Layer::binds)
 }

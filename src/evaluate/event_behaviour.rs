@@ -15,6 +15,9 @@ use crate::symbolic::rewrite::Rewriter;
 /// Relations of arguments below one relation of the function that are distinguished by cases.
 const MAX_CASES: usize = 4;
 
+/// `noEvent` within `noEvent` that is followed.
+const MOST_NESTED: usize = 20;
+
 /// How an expression behaves at events and between them.
 #[derive(Clone, Copy, Default)]
 pub struct EventBehaviour {
@@ -161,6 +164,35 @@ impl Evaluator<'_> {
             self.by_cases(settled, rest)
         });
         self.graph.if_then_else(*case, yes, no)
+    }
+
+    /// A field of a record that a function computes. An Integer, such as the phase of a medium, would change between
+    /// events without those of the comparisons that it is made of: it gets them back.
+    pub(crate) fn with_own_events(&mut self, field: &Value) -> Value {
+        field.each_scalar(&mut |e| {
+            if self.graph.ty(e) != Type::Integer || !self.changes_between_events(e) {
+                return e;
+            }
+            let with_events = self.without_no_event(e);
+            if self.changes_between_events(with_events) { e } else { with_events }
+        })
+    }
+
+    fn without_no_event(&mut self, mut e: ExprId) -> ExprId {
+        for _ in 0..MOST_NESTED {
+            let mut found = false;
+            e = Rewriter::new().apply(&mut self.graph, e, &mut |graph, n| match graph.node(n) {
+                Node::NoEvent(inner) => {
+                    found = true;
+                    Some(inner)
+                }
+                _ => None,
+            });
+            if !found {
+                break;
+            }
+        }
+        e
     }
 
     /// Notes the scalars of discrete type in a result that change between events, because the

@@ -170,7 +170,8 @@ impl Evaluator<'_> {
             return self.known_function(called, args, span);
         };
         let (kind, what) = table.split_once('_').ok_or(Refusal::Unknown)?;
-        if what == "init3" {
+        // The older form has no arguments about text files at its end.
+        if matches!(what, "init2" | "init3") {
             let object = match kind {
                 "CombiTimeTable" => self.time_tables(args)?,
                 "CombiTable1D" => self.curves(args)?,

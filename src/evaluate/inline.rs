@@ -29,8 +29,6 @@ pub(crate) enum WhyInlined {
     Annotated,
     /// The value is known before the model runs, and may be asked for.
     ParameterExpression,
-    /// An output is discrete: its formula shows that it changes at events only.
-    Discrete,
     /// It is called by a recursive function, which must know whether it goes on.
     InRecursion,
     /// Assertions that only warn, and printed lines, belong to equations.
@@ -55,13 +53,6 @@ impl Evaluator<'_> {
         }
         if self.recursions.is_being_made() {
             return Some(WhyInlined::InRecursion);
-        }
-        let mut all_real = true;
-        body.value.for_each_scalar(&mut |e| {
-            all_real &= matches!(self.graph.ty(e), Type::Real) || self.graph.as_const(e).is_some();
-        });
-        if !all_real {
-            return Some(WhyInlined::Discrete);
         }
         if body.asserts.iter().any(|a| a.level != AssertionLevel::Error) {
             return Some(WhyInlined::Warns);
@@ -89,7 +80,7 @@ impl Evaluator<'_> {
     }
 
     /// A call of the flat model's function. An output that is a literal or an argument as it is needs no
-    /// call: the phase of a medium, an Integer that is zero, does not change between events.
+    /// call, and a discrete one keeps its formula, which shows that it changes at events only.
     pub(super) fn call_flat(
         &mut self,
         body: &Specialization,
@@ -99,19 +90,15 @@ impl Evaluator<'_> {
         let mut all = vec![self.active_condition()];
         all.extend(arguments);
         let args = self.graph.intern_list(&all);
+        let mut formula = body.formula(&all);
         let mut outputs = (0..).zip(&function.types);
         Some(body.value.each_scalar(&mut |e| match outputs.next() {
             Some((output, ty)) => {
-                let known = match self.graph.as_const(e) {
-                    Some(_) => Some(e),
-                    None => body.symbols.iter().position(|s| *s == e).map(|k| all[k]),
-                };
-                match known.filter(|known| self.graph.ty(*known) == *ty) {
-                    Some(known) => known,
-                    None => {
-                        self.graph.intern(Node::Call { function: function.id, output, args }, *ty)
-                    }
+                let is_argument = body.symbols.contains(&e) || self.graph.as_const(e).is_some();
+                if is_argument && self.graph.ty(e) == *ty || *ty != Type::Real {
+                    return formula(&mut self.class_graph.graph, e);
                 }
+                self.graph.intern(Node::Call { function: function.id, output, args }, *ty)
             }
             None => e,
         }))

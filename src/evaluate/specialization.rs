@@ -115,8 +115,51 @@ impl Evaluator<'_> {
         self.with_numbers_of_tables(&mut given);
         match self.specialization(class, components, &given, span) {
             Ok(body) => self.call_of(&body, components, &given),
+            Err(WhyExecuted::Diagnosed) => self.run_or_fold(class, components, given, span),
             Err(_) => self.run_function(class, components, given, span),
         }
+    }
+
+    /// Runs a function on its arguments. If that fails, but the arguments are known before the model runs, it is run
+    /// on their values: eigenvalues are those of numbers. The parameters that they read are then fixed.
+    fn run_or_fold(
+        &mut self,
+        class: ClassId,
+        components: &Components,
+        given: Vec<Option<Value>>,
+        span: Span,
+    ) -> Option<Value> {
+        let mut all = Vec::new();
+        given.iter().flatten().for_each(|value| value.for_each_scalar(&mut |e| all.push(e)));
+        if !all.iter().all(|e| self.is_parameter_expression(*e)) {
+            return self.run_function(class, components, given, span);
+        }
+        let (value, problems) =
+            self.collect_problems(|cx| cx.run_function(class, components, given.clone(), span));
+        if value.is_none()
+            && let Some(known) = self.values_of_arguments(&given)
+        {
+            return self.run_function(class, components, known, span);
+        }
+        self.problems.extend(problems);
+        value
+    }
+
+    /// The arguments of a call, as far as they are given, as numbers; `None` if one is not known before the model runs.
+    fn values_of_arguments(&mut self, given: &[Option<Value>]) -> Option<Vec<Option<Value>>> {
+        let mut is_known = true;
+        let mut number = |cx: &mut Self, value: &Value| {
+            value.each_scalar(&mut |e| match cx.parameter_expression(e, true) {
+                Some(known) => cx.graph.constant(known),
+                None => {
+                    is_known = false;
+                    e
+                }
+            })
+        };
+        let values = given.iter().map(|value| value.as_ref().map(|value| number(self, value)));
+        let values = values.collect();
+        is_known.then_some(values)
     }
 
     /// The specialization for some arguments, which is made if it is the first one.
@@ -322,16 +365,8 @@ impl Evaluator<'_> {
             true => self.active_condition(),
             false => self.graph.boolean(true),
         };
-        let mut rewriter = Rewriter::new();
-        let mut with_arguments = |graph: &mut Graph, e: ExprId| {
-            rewriter.apply(graph, e, &mut |graph, n| {
-                let Node::Var(v) = graph.node(n) else { return None };
-                match v.0.checked_sub(FIRST_SYMBOL + body.first)? as usize {
-                    0 => Some(active),
-                    k => arguments.get(k - 1).copied(),
-                }
-            })
-        };
+        let all: Vec<ExprId> = std::iter::once(active).chain(arguments.iter().copied()).collect();
+        let mut with_arguments = body.formula(&all);
         for a in &body.asserts {
             let graph = &mut self.class_graph.graph;
             let condition = with_arguments(graph, a.bare);
@@ -342,6 +377,23 @@ impl Evaluator<'_> {
         }
         let graph = &mut self.class_graph.graph;
         Some(body.value.each_scalar(&mut |e| with_arguments(graph, e)))
+    }
+}
+
+impl Specialization {
+    /// Substitutes the condition under which a call is active, and its arguments, for the symbols of the body.
+    pub(super) fn formula<'a>(
+        &self,
+        arguments: &'a [ExprId],
+    ) -> impl FnMut(&mut Graph, ExprId) -> ExprId + use<'a> {
+        let first = FIRST_SYMBOL + self.first;
+        let mut rewriter = Rewriter::new();
+        move |graph, e| {
+            rewriter.apply(graph, e, &mut |graph, n| {
+                let Node::Var(v) = graph.node(n) else { return None };
+                arguments.get(v.0.checked_sub(first)? as usize).copied()
+            })
+        }
     }
 }
 

@@ -228,7 +228,10 @@ fn equate(
         (Value::Record(r), Value::Record(s)) => {
             for (name, a) in &r.fields {
                 match s.fields.iter().find(|(n, _)| n == name) {
-                    Some((_, b)) => equate(cx, a, b, span, target)?,
+                    Some((_, b)) => {
+                        let [a, b] = [a, b].map(|field| cx.with_own_events(field));
+                        equate(cx, &a, &b, span, target)?;
+                    }
                     None => {
                         cx.report(TypeCause::MissingField { name: *name }, span);
                         return None;

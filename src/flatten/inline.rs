@@ -4,12 +4,12 @@
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::base::source::Span;
 use crate::evaluate::Evaluator;
-use crate::ir::expr::{Const, ExprId, FunctionId, Graph, ListId, Node};
+use crate::ir::expr::{Const, ExprId, FunctionId, Graph, ListId, Node, Type};
 use crate::ir::flat::{Action, Assert, Equation, EquationKind, FlatModel, Origin, StraightLine};
 
-/// Nodes that the copies of one function may add to a model. As many formulas compile in about a second, and
-/// they are solved and differentiated exactly, which makes up for code that a call would not repeat.
-const MOST_INLINED: usize = 100_000;
+/// Nodes that the copies of one function may add to a model. Formulas are solved and differentiated exactly, but all
+/// their branches are evaluated: a call evaluates only those that are taken, such as the region of a medium.
+const MOST_INLINED: usize = 10_000;
 
 /// A call: the function and its arguments.
 type Called = (FunctionId, ListId);
@@ -45,18 +45,57 @@ pub(super) fn calls(cx: &mut Evaluator<'_>, flat: &mut FlatModel) {
     }
 }
 
-/// Functions that nothing calls any more have no code.
+/// Functions that nothing calls any more have no code, and neither have outputs that nothing reads.
 fn drop_unused(cx: &mut Evaluator<'_>, sizes: &FastMap<FunctionId, usize>, roots: &[ExprId]) {
-    let mut used: FastSet<FunctionId> = FastSet::default();
-    let mut pending = called(&cx.graph, roots);
-    while let Some((function, _)) = pending.pop() {
-        if used.insert(function) {
-            pending.extend(called(&cx.graph, &cx.loops.functions[function.idx()].values()));
+    let mut used: FastMap<FunctionId, FastSet<u32>> = FastMap::default();
+    let mut pending = outputs_read(&cx.graph, roots);
+    while let Some((function, output)) = pending.pop() {
+        let is_first = !used.contains_key(&function);
+        if !used.entry(function).or_default().insert(output) {
+            continue;
         }
+        let code = &cx.loops.functions[function.idx()];
+        let values = match code.straight_line().filter(|_| sizes.contains_key(&function)) {
+            Some(body) => {
+                let asserts = body.asserts.iter().flat_map(|(a, _)| [a.condition, a.message]);
+                asserts.chain(body.outputs.get(output as usize).copied()).collect()
+            }
+            None if is_first => code.values(),
+            None => continue,
+        };
+        pending.extend(outputs_read(&cx.graph, &values));
     }
-    for function in sizes.keys().filter(|f| !used.contains(f)) {
-        cx.loops.functions[function.idx()].body.clear();
+    for function in sizes.keys() {
+        let Some(outputs) = used.get(function) else {
+            cx.loops.functions[function.idx()].body.clear();
+            continue;
+        };
+        let Evaluator { class_graph, loops, .. } = &mut *cx;
+        loops.functions[function.idx()].map_outputs(|k, value| {
+            let is_read = outputs.contains(&(k as u32));
+            if is_read { value } else { nothing(&mut class_graph.graph, value) }
+        });
     }
+}
+
+/// A literal of the same type, or the value itself if there is none.
+fn nothing(graph: &mut Graph, value: ExprId) -> ExprId {
+    match graph.ty(value) {
+        Type::Real => graph.real(0.0),
+        Type::Integer => graph.integer(0),
+        Type::Boolean => graph.boolean(false),
+        _ => value,
+    }
+}
+
+/// The outputs of functions that expressions read.
+fn outputs_read(graph: &Graph, roots: &[ExprId]) -> Vec<(FunctionId, u32)> {
+    let below = graph.postorder(roots.iter().copied()).into_iter();
+    let read = below.filter_map(|e| match graph.node(e) {
+        Node::Call { function, output, .. } => Some((function, output)),
+        _ => None,
+    });
+    read.collect()
 }
 
 /// All calls below some expressions, each once, in the order of their evaluation.

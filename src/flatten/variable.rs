@@ -286,6 +286,9 @@ fn binding(
         report_bound_discrete(cx, id, span);
         return;
     }
+    let is_field =
+        cx.instances[id].parent.is_some_and(|parent| super::connect::is_record(cx, parent));
+    let value = if is_field { cx.with_own_events(&value) } else { value };
     if !matches!(ty, Type::Real | Type::String) && !cx.from_outside(span) {
         let mut scalars = value.elements().iter().filter_map(Value::scalar);
         if scalars.any(|e| cx.changes_between_events(e)) {

@@ -71,6 +71,26 @@ impl Function {
         is_complete.then_some(found)
     }
 
+    /// Changes the values of the outputs of a [straight line](Function::straight_line), given the number of each.
+    pub fn map_outputs(&mut self, mut change: impl FnMut(usize, ExprId) -> ExprId) {
+        if self.straight_line().is_none() {
+            return;
+        }
+        let [Statement::If(_, body, _)] = self.body.as_mut_slice() else { return };
+        let assigned = body.iter_mut().filter_map(|statement| match statement {
+            Statement::Assign(_, value) => Some(value),
+            _ => None,
+        });
+        for (k, value) in assigned.enumerate() {
+            *value = change(k, *value);
+        }
+    }
+
+    /// Whether it executes a loop of its own.
+    pub fn has_loop(&self) -> bool {
+        has_loop(&self.body)
+    }
+
     /// The expressions of the statements, but for messages.
     pub fn values(&self) -> Vec<ExprId> {
         let mut out = Vec::new();
@@ -85,6 +105,14 @@ pub struct StraightLine {
     pub asserts: Vec<(Assert, Span)>,
     /// The values of the outputs.
     pub outputs: Vec<ExprId>,
+}
+
+fn has_loop(body: &[Statement]) -> bool {
+    body.iter().any(|statement| match statement {
+        Statement::While(..) => true,
+        Statement::If(_, a, b) => has_loop(a) || has_loop(b),
+        _ => false,
+    })
 }
 
 fn values_of(body: &[Statement], out: &mut Vec<ExprId>) {

@@ -34,6 +34,9 @@ pub struct NewtonSettings {
     pub max_iterations: u32,
     /// Smallest damping factor.
     pub min_damping: f64,
+    /// Makes the shortest correction where equations repeat each other, instead of giving up. Where a matrix is
+    /// singular at the start only, as at zero flow, that leads far away.
+    pub may_repeat: bool,
 }
 
 impl Default for NewtonSettings {
@@ -43,6 +46,7 @@ impl Default for NewtonSettings {
             stagnation: 1e-9,
             max_iterations: 50,
             min_damping: 1e-6,
+            may_repeat: true,
         }
     }
 }
@@ -152,7 +156,7 @@ impl Newton {
         }
         for iterations in 1..=settings.max_iterations {
             self.set_weights(z, region);
-            if let Err(ending) = self.linearize(equations, z) {
+            if let Err(ending) = self.linearize(equations, z, settings) {
                 return ending;
             }
             // `correction` holds the residual at z and becomes the Newton correction.
@@ -258,6 +262,7 @@ impl Newton {
         &mut self,
         equations: &mut dyn NonlinearSystem,
         z: &[f64],
+        settings: &NewtonSettings,
     ) -> Result<(), NewtonOutcome> {
         self.jacobian.fill(0.0);
         if !equations.jacobian(z, &mut self.jacobian) {
@@ -270,7 +275,7 @@ impl Newton {
         let Err(singular) = self.lu.factor(&self.jacobian) else { return Ok(()) };
         let column = singular.column;
         let failed = NewtonOutcome::Singular { column };
-        if z.len() > MOST_DECOMPOSED {
+        if !settings.may_repeat || z.len() > MOST_DECOMPOSED {
             return Err(failed);
         }
         let inverse = PseudoInverse::new(z.len(), &self.jacobian).ok_or(failed)?;

@@ -4,7 +4,7 @@
 use crate::numeric::levenberg_marquardt::{Approach, LevenbergMarquardt};
 use crate::numeric::newton::{Newton, NewtonOutcome, NewtonSettings, NonlinearSystem, Region};
 
-use super::torn_block::BlockEquations;
+use super::torn_block::{BlockEquations, is_solved};
 
 /// Maximum number of unknowns of blocks that are searched around the start.
 const MAX_SEARCHED_UNKNOWNS: usize = 12;
@@ -30,6 +30,7 @@ pub(super) struct FarSolution<'s, 'a, 'p> {
     pub(super) newton: &'s mut Newton,
     pub(super) equations: &'s mut BlockEquations<'a, 'p>,
     pub(super) region: Region<'s>,
+    pub(super) settings: NewtonSettings,
 }
 
 impl<'s> FarSolution<'s, '_, '_> {
@@ -53,7 +54,7 @@ impl<'s> FarSolution<'s, '_, '_> {
         }
         if !is_solved(ending) {
             z.copy_from_slice(&start);
-            ending = match self.solve(z, self.free()) {
+            ending = match self.solve_repeated(z) {
                 solved if is_solved(solved) => solved,
                 _ => failed,
             };
@@ -62,6 +63,12 @@ impl<'s> FarSolution<'s, '_, '_> {
     }
 
     fn solve(&mut self, z: &mut [f64], region: Region<'_>) -> NewtonOutcome {
+        self.newton.solve(self.equations, z, region, &self.settings)
+    }
+
+    /// As far as the equations determine the unknowns, if they repeat each other.
+    fn solve_repeated(&mut self, z: &mut [f64]) -> NewtonOutcome {
+        let region = self.free();
         self.newton.solve(self.equations, z, region, &NewtonSettings::default())
     }
 
@@ -179,15 +186,17 @@ impl<'s> FarSolution<'s, '_, '_> {
                         undetermined: Some(column),
                     };
                 }
+                NewtonOutcome::Singular { .. } => {
+                    let ending = self.solve_repeated(z);
+                    if is_solved(ending) {
+                        return ending;
+                    }
+                }
                 _ => {}
             }
         }
         failed
     }
-}
-
-fn is_solved(ending: NewtonOutcome) -> bool {
-    matches!(ending, NewtonOutcome::Converged { .. })
 }
 
 /// The root between two points whose values differ in sign; `None` for a jump or a pole.

@@ -98,20 +98,20 @@ impl TornBlockSolver {
                 }
                 let bounded = self.bounds.iter().any(|(a, b)| a.is_finite() || b.is_finite());
                 let bounds = bounded.then_some(&self.bounds[..]);
-                let mut region = Region { nominal: &self.nominal, bounds };
+                let region = Region { nominal: &self.nominal, bounds };
                 let mut equations = BlockEquations { machine, torn_block: k, fault: None };
-                let settings = NewtonSettings::default();
-                let mut ending = newton.solve(&mut equations, &mut self.z, region, &settings);
-                if bounded && !matches!(ending, NewtonOutcome::Converged { .. }) {
-                    // Bounds only guide the iteration; enforcing them is up to assertions.
-                    region.bounds = None;
-                    ending = newton.solve(&mut equations, &mut self.z, region, &settings);
-                }
-                let may_search = equations.machine.branch_switch;
-                if may_search && !matches!(ending, NewtonOutcome::Converged { .. }) {
-                    region.bounds = bounds;
-                    let mut search = FarSolution { newton, equations: &mut equations, region };
-                    ending = search.find(&mut self.z, ending);
+                let mut ending = iterate(newton, &mut equations, &mut self.z, region);
+                let failed = equations.fault;
+                if !is_solved(ending) && matches!(failed, Some(Fault::Assertion { .. })) {
+                    // What a function requires has to hold at the solution, not on the way to it.
+                    self.z.copy_from_slice(&self.start);
+                    equations.machine.ignores_assertions = true;
+                    let second = iterate(newton, &mut equations, &mut self.z, region);
+                    equations.machine.ignores_assertions = false;
+                    match is_solved(second) {
+                        true => ending = second,
+                        false => equations.fault = failed,
+                    }
                 }
                 if let NewtonOutcome::Converged { undetermined: Some(unknown), .. } = ending {
                     equations.machine.undetermined.get_or_insert((k, unknown));
@@ -138,6 +138,32 @@ impl TornBlockSolver {
             }
         }
     }
+}
+
+/// Newton's method from `z`, first within the bounds of the unknowns; then a search if the branch of the solution need
+/// not be kept.
+fn iterate(
+    newton: &mut Newton,
+    equations: &mut BlockEquations<'_, '_>,
+    z: &mut [f64],
+    region: Region<'_>,
+) -> NewtonOutcome {
+    let starts = equations.machine.get(equations.machine.program.layout.initial) != 0.0;
+    let settings = NewtonSettings { may_repeat: !starts, ..NewtonSettings::default() };
+    let mut ending = newton.solve(equations, z, region, &settings);
+    if region.bounds.is_some() && !is_solved(ending) {
+        // Bounds only guide the iteration; enforcing them is up to assertions.
+        ending = newton.solve(equations, z, Region { bounds: None, ..region }, &settings);
+    }
+    if equations.machine.branch_switch && !is_solved(ending) {
+        ending = FarSolution { newton, equations, region, settings }.find(z, ending);
+    }
+    ending
+}
+
+/// Whether an iteration found a solution.
+pub(super) fn is_solved(ending: NewtonOutcome) -> bool {
+    matches!(ending, NewtonOutcome::Converged { .. })
 }
 
 fn to_result(ending: NewtonOutcome, torn_block: usize, inner: Option<Fault>) -> Result<(), Fault> {

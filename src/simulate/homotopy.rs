@@ -16,11 +16,13 @@ const FIRST: f64 = 0.25;
 const SHORTEST: f64 = 1e-4;
 
 /// Guesses for the slots of the actual program, if the continuation reaches `lambda = 1`.
-/// `by_states` says whether loops are torn at states.
+/// `by_states` says whether loops are torn at states, and `searches` whether the solution of the simplified system may
+/// lie far from the start values; each further one is near the one before.
 pub fn follow(
     continuation: &Continuation,
     settings: &Settings,
     by_states: bool,
+    searches: bool,
 ) -> Option<Vec<(Slot, f64)>> {
     let Continuation { program, lambda, slots } = continuation;
     let names = settings.parameters.iter().chain(&settings.starts);
@@ -30,7 +32,9 @@ pub fn follow(
     let mut machine = Machine::new(program);
     machine.starts_by_states = by_states && !program.tapes.initial_by_states.is_empty();
     let given = settings.parameters.len();
+    machine.set_execution(&settings.execution);
     let mut start_at = |at: f64, guess: &[(Slot, f64)]| {
+        machine.branch_switch = searches && guess.is_empty();
         settings.parameters.truncate(given);
         settings.parameters.push((*lambda, at));
         initialise_from(&mut machine, &settings, guess).ok()?;

@@ -45,25 +45,26 @@ pub type Start = (Clocks, StateSelector, EventEffects);
 pub fn initialise(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start, StartError> {
     machine.branch_switch = false;
     let started = from_homotopy(machine, settings);
+    let Err(StartError::Event(_)) = started else {
+        machine.branch_switch = true;
+        return started;
+    };
+    // If nothing is found, the failure of the first attempt is reported.
+    let saved = (machine.memory.clone(), machine.fault_memory.clone(), machine.fault);
+    let differs = !machine.program.tapes.initial_by_states.is_empty();
+    let mut found = if differs { from_states(machine, settings) } else { started.clone() };
+    // Finally, solutions far from the start values are allowed.
     machine.branch_switch = true;
-    match started {
-        // Finally, allow solutions far from the start values. If there are none, report the failure
-        // of the first attempt.
-        Err(StartError::Event(_)) => {
-            let saved = (machine.memory.clone(), machine.fault_memory.clone(), machine.fault);
-            let far = initialise_from(machine, settings, &[]);
-            let differs = !machine.program.tapes.initial_by_states.is_empty();
-            let found = match far {
-                Err(_) if differs => from_states(machine, settings),
-                far => far,
-            };
-            found.or_else(|_| {
-                (machine.memory, machine.fault_memory, machine.fault) = saved;
-                started
-            })
-        }
-        started => started,
+    if found.is_err() {
+        found = from_homotopy(machine, settings);
     }
+    if found.is_err() && differs {
+        found = from_states(machine, settings);
+    }
+    found.or_else(|_| {
+        (machine.memory, machine.fault_memory, machine.fault) = saved;
+        started
+    })
 }
 
 /// Initializes by the sequence whose loops are torn at states.
@@ -79,7 +80,12 @@ fn from_states(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start, 
 /// section 3.7.4.4).
 fn from_homotopy(machine: &mut Machine<'_>, settings: &Settings) -> Result<Start, StartError> {
     if let Some(continuation) = &machine.program.continuation
-        && let Some(guess) = homotopy::follow(continuation, settings, machine.starts_by_states)
+        && let Some(guess) = homotopy::follow(
+            continuation,
+            settings,
+            machine.starts_by_states,
+            machine.branch_switch,
+        )
         && let Ok(start) = initialise_from(machine, settings, &guess)
     {
         return Ok(start);

@@ -1,11 +1,11 @@
 //! Writes the result of the index reduction back into the system of equations.
 
-use super::function_derivative::FunctionDerivatives;
 use crate::base::index::{Id, IndexVec};
 use crate::graph::bipartite::{Col, Row};
 use crate::graph::pantelides::Reduction;
 use crate::ir::dae::{Dae, EqId, Equation, Variable, VariableKind};
 use crate::ir::expr::{ExprId, Graph, VarId};
+use crate::symbolic::function_derivative::FunctionDerivatives;
 use crate::symbolic::gradient::{Leaf, time_derivative_through};
 
 /// Appends the derivative variables and differentiated equations of a reduction, whose rows are the
@@ -51,7 +51,7 @@ pub fn differentiate(
 /// The time derivative of an equation. Discrete variables do not change between events.
 fn derivative(dae: &mut Dae, of: EqId, functions: &mut FunctionDerivatives) -> Equation {
     // An equation that was differentiated already calls functions of derivatives.
-    functions.add(dae, of);
+    functions.add(&mut dae.graph, &mut dae.functions, dae.equations[of].residual);
     let Equation { lhs, rhs, residual, origin, .. } = dae.equations[of].clone();
     let Dae { graph, variables, .. } = dae;
     let [lhs, rhs, residual] = [lhs, rhs, residual].map(|e| {

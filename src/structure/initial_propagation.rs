@@ -2,9 +2,11 @@
 //!
 //! *In:* an over-determined part of the initialization problem. *Out:* whether the equations that
 //! are left over hold: for all values of the parameters if they vanish symbolically, else to
-//! tolerance at the values that are known at compile time.
+//! tolerance at the values that are known at compile time. What cannot be solved one after the other
+//! is consistent if it is linear and one equation is a combination of the others.
 
 use super::incidence::EquationSystem;
+use super::linear_dependence;
 use super::parameter_values::ParameterValues;
 use super::solve;
 use crate::base::index::{FastMap, FastSet};
@@ -18,8 +20,8 @@ const TOLERANCE: f64 = 1e-6;
 /// Differences below this fraction of the largest term are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// True if the rows determine all their unknowns one after the other, and all further rows hold at
-/// these values.
+/// True if the rows determine all their unknowns, one after the other or by linear equations, and the one that is
+/// not needed holds. The first row is the one that will be left out.
 pub fn is_consistent(
     dae: &mut Dae,
     system: &EquationSystem,
@@ -28,7 +30,10 @@ pub fn is_consistent(
 ) -> bool {
     let mut propagation = Propagation::new(dae, system, rows);
     let further = propagation.solve();
-    further.into_iter().all(|row| propagation.holds(row, values))
+    let (closed, open): (Vec<Row>, Vec<Row>) =
+        further.into_iter().partition(|row| propagation.open[row] == 0);
+    closed.into_iter().all(|row| propagation.holds(row, values))
+        && propagation.open_hold(&open, values)
 }
 
 /// Whether two expressions are equal: for all parameters, or to tolerance at their values. `None`
@@ -119,9 +124,6 @@ impl<'a> Propagation<'a> {
 
     /// True if the sides of an equation are equal at the values of its unknowns.
     fn holds(&mut self, row: Row, values: &mut ParameterValues) -> bool {
-        if self.open[&row] > 0 {
-            return false;
-        }
         let (a, b) = solve::sides(self.dae, self.system.sources[row]);
         let [a, b] = [a, b].map(|side| self.substituted(side));
         let g = &mut self.dae.graph;
@@ -130,6 +132,29 @@ impl<'a> Propagation<'a> {
             g.as_number(difference) == Some(0.0)
         };
         cancels || agree(g, a, b, values) == Some(true)
+    }
+
+    /// True if the equations whose unknowns have no values yet are linear and do not contradict each other.
+    fn open_hold(&mut self, rows: &[Row], values: &mut ParameterValues) -> bool {
+        if rows.is_empty() {
+            return true;
+        }
+        let mut place = FastMap::default();
+        for col in rows.iter().flat_map(|row| self.system.graph.cols(*row)) {
+            let v = self.system.unknowns[*col];
+            if !self.known.contains_key(&v) {
+                let next = place.len();
+                place.entry(v).or_insert(next);
+            }
+        }
+        let mut residuals = Vec::with_capacity(rows.len());
+        for row in rows {
+            let residual = solve::residual(self.dae, self.system.sources[*row]);
+            residuals.push(self.substituted(residual));
+        }
+        let left_out = rows.iter().position(|row| *row == self.rows[0]);
+        let graph = &mut self.dae.graph;
+        linear_dependence::is_consistent(graph, &residuals, &place, left_out, values)
     }
 
     /// An expression at the values found so far and at the start time.

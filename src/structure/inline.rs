@@ -1,11 +1,15 @@
 //! The last decision about calls: an equation that must be differentiated gets the bodies of the functions
-//! that it calls. Loops and functions that call themselves stay: they have no formula.
+//! that it calls. Loops and functions that call themselves stay, since they have no formula, and so do large
+//! functions, of which a call computes only what the branches taken need.
 
 use crate::base::index::{FastMap, Id};
 use crate::base::source::Span;
 use crate::ir::dae::{Dae, EqId, GuardedAssert};
 use crate::ir::expr::{ExprId, FunctionId, Graph, ListId, Node};
 use crate::ir::flat::{Assert, Function, Origin, StraightLine};
+
+/// Nodes up to which a body is inlined.
+const LARGEST: usize = 2_000;
 
 /// Inlines the functions that an equation calls; true if there was one.
 pub fn calls_of(dae: &mut Dae, equation: EqId) -> bool {
@@ -34,6 +38,7 @@ fn bodies(dae: &Dae, equation: EqId) -> Option<FastMap<FunctionId, StraightLine>
         if let Node::Call { function, .. } = dae.graph.node(n)
             && !found.contains_key(&function)
             && let Some(body) = dae.functions.get(function).and_then(Function::straight_line)
+            && dae.graph.postorder(body.outputs.iter().copied()).len() <= LARGEST
             && body.outputs.iter().all(|e| has_formula(&dae.graph, *e))
             && !calls_itself(dae, function)
         {

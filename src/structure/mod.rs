@@ -7,7 +7,6 @@
 pub mod apply;
 mod culprit;
 mod discrete_loops;
-mod function_derivative;
 pub mod derivative_combinations;
 pub mod diagram;
 pub mod dynamic_selection;
@@ -18,6 +17,7 @@ pub mod incidence;
 pub mod initial;
 mod initial_propagation;
 mod inline;
+mod linear_dependence;
 mod name_order;
 mod parameter_values;
 pub mod print;

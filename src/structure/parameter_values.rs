@@ -3,8 +3,9 @@
 use crate::base::index::{FastMap, Id};
 use crate::ir::dae::Dae;
 use crate::ir::expr::{Const, ExprId, Graph, Node, VarId};
-use crate::symbolic::eval;
+use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::rewrite::Rewriter;
+use crate::symbolic::{eval, linear};
 
 /// The known parameters, and the values of expressions of them.
 pub struct ParameterValues {
@@ -51,6 +52,45 @@ impl ParameterValues {
             self.numbers.push(self.evaluate(graph, next));
         }
         self.numbers[e.idx()]
+    }
+
+    /// The coefficients of a residual by unknowns, at the place of each, if it is linear in them; `value` gives the
+    /// values of the coefficients.
+    pub fn coefficients(
+        &mut self,
+        graph: &mut Graph,
+        residual: ExprId,
+        place: &FastMap<VarId, usize>,
+        mut value: impl FnMut(&mut Self, &Graph, ExprId) -> Option<f64>,
+    ) -> Option<Vec<f64>> {
+        if linear::hidden_variables(graph, residual).iter().any(|v| place.contains_key(v)) {
+            return None;
+        }
+        let wanted = |leaf| matches!(leaf, Leaf::Var(v) if place.contains_key(&v));
+        let mut row = vec![0.0; place.len()];
+        for (leaf, partial) in gradient(graph, residual, wanted) {
+            let Leaf::Var(v) = leaf else { continue };
+            row[place[&v]] = value(self, graph, partial).filter(|x| x.is_finite())?;
+        }
+        Some(row)
+    }
+
+    /// The value of an expression at the values of the parameters and some values of everything
+    /// else: what vanishes there vanishes in general. Variables in `zero` are 0.
+    pub fn sample(&self, graph: &Graph, root: ExprId, zero: impl Fn(VarId) -> bool) -> f64 {
+        // Fractions of the golden ratio are far from all simple relations.
+        let any = |k: usize| 0.5 + (k as f64 * 0.618_033_988_749_894_9).fract();
+        let variable = |v: VarId| match zero(v) {
+            true => Some(0.0),
+            false => self.literal(graph, v).or_else(|| Some(any(v.idx()))),
+        };
+        let mut values: FastMap<ExprId, f64> = FastMap::default();
+        for e in graph.postorder([root]) {
+            let of = |a: ExprId| values.get(&a).copied();
+            let value = evaluate(graph, e, of, variable);
+            values.insert(e, value.unwrap_or_else(|| any(e.idx())));
+        }
+        values[&root]
     }
 
     fn evaluate(&self, graph: &Graph, e: ExprId) -> Option<f64> {

@@ -1,6 +1,5 @@
 //! Index reduction: the equations to differentiate, and the states.
 
-use super::function_derivative::FunctionDerivatives;
 use super::incidence::EquationSystem;
 use super::{apply, error, inline, is_continuous, name_order, solve};
 use crate::base::diag::Problems;
@@ -12,6 +11,7 @@ use crate::ir::blocks::Source;
 use crate::ir::dae::{Dae, EqId, Variable, VariableKind};
 use crate::ir::expr::{ExprId, Node, VarId};
 use crate::ir::flat::StateSelect;
+use crate::symbolic::function_derivative::FunctionDerivatives;
 use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::linear;
 
@@ -54,14 +54,17 @@ fn reduce_with(
     let derivative = derivatives(dae, &system);
     let not_differentiable: Vec<Row> = (dae.equations.ids())
         .filter(|id| calls_a_function(dae, dae.equations[*id].residual))
-        .filter(|id| !functions.cover(dae, *id))
+        .filter(|id| !functions.cover(&dae.graph, dae.equations[*id].residual))
         .map(|id| Row(id.0))
         .collect();
     let reduction = match pantelides::pantelides(&system.graph, &derivative, &not_differentiable) {
         Ok(reduction) => reduction,
         Err(StructurallySingular::NotDifferentiable { row, rows }) => {
             let equation = EqId(row.0);
-            if inline::calls_of(dae, equation) || functions.add(dae, equation) {
+            let residual = dae.equations[equation].residual;
+            if inline::calls_of(dae, equation)
+                || functions.add(&mut dae.graph, &mut dae.functions, residual)
+            {
                 return reduce_with(dae, functions, problems);
             }
             problems.push(error::not_differentiable(dae, EqId(row.0), &equations(&rows)));

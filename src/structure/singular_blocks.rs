@@ -6,12 +6,12 @@
 //! arbitrary, but its currents are not.
 
 use super::error::{self, Consequence};
-use super::parameter_values::{self, ParameterValues};
+use super::parameter_values::ParameterValues;
 use super::solve;
 use crate::base::diag::Problems;
-use crate::base::index::{FastMap, FastSet, Id};
+use crate::base::index::{FastMap, FastSet};
 use crate::ir::blocks::{Block, Source, Torn};
-use crate::ir::dae::{Dae, VariableKind};
+use crate::ir::dae::Dae;
 use crate::ir::expr::{ExprId, Type, VarId};
 use crate::numeric::null_space::NullSpace;
 use crate::symbolic::gradient::{Leaf, gradient};
@@ -84,27 +84,16 @@ impl SingularityCheck<'_> {
             members.iter().enumerate().map(|(k, v)| (*v, k)).collect();
         let mut matrix = Vec::with_capacity(order);
         for &source in &sources {
-            matrix.push(self.coefficients(source, &place)?);
+            let residual = solve::residual(self.dae, source);
+            matrix.push(self.values.coefficients(
+                &mut self.dae.graph,
+                residual,
+                &place,
+                |values, graph, e| values.number(graph, e),
+            )?);
         }
         let null_space = NullSpace::of(&matrix);
         (!null_space.right.is_empty()).then_some(SingularBlock { members, sources, null_space })
-    }
-
-    /// The coefficients of an equation, if they are constant.
-    fn coefficients(&mut self, source: Source, place: &FastMap<VarId, usize>) -> Option<Vec<f64>> {
-        let residual = solve::residual(self.dae, source);
-        let graph = &mut self.dae.graph;
-        if linear::hidden_variables(graph, residual).iter().any(|v| place.contains_key(v)) {
-            return None;
-        }
-        let wanted = |leaf| matches!(leaf, Leaf::Var(v) if place.contains_key(&v));
-        let mut row = vec![0.0; place.len()];
-        for (leaf, partial) in gradient(graph, residual, wanted) {
-            let Leaf::Var(v) = leaf else { continue };
-            let value = self.values.number(graph, partial).filter(|x| x.is_finite())?;
-            row[place[&v]] = value;
-        }
-        Some(row)
     }
 
     /// True if the equations have no solution for general values of everything else.
@@ -112,8 +101,10 @@ impl SingularityCheck<'_> {
         let members: FastSet<VarId> = block.members.iter().copied().collect();
         let residuals: Vec<ExprId> =
             block.sources.iter().map(|source| solve::residual(self.dae, *source)).collect();
-        let values: Vec<f64> =
-            residuals.iter().map(|e| self.sample(*e, |v| members.contains(&v))).collect();
+        let values: Vec<f64> = residuals
+            .iter()
+            .map(|e| self.values.sample(&self.dae.graph, *e, |v| members.contains(&v)))
+            .collect();
         let left = &block.null_space.left;
         left.iter().any(|w| !vanishes(w.iter().zip(&values).map(|(w, r)| w * r)))
     }
@@ -155,7 +146,7 @@ impl SingularityCheck<'_> {
         let slopes: FastMap<VarId, f64> = gradient(graph, e, wanted)
             .into_iter()
             .filter_map(|(leaf, partial)| match leaf {
-                Leaf::Var(v) => Some((v, self.sample(partial, |_| false))),
+                Leaf::Var(v) => Some((v, self.values.sample(&self.dae.graph, partial, |_| false))),
                 _ => None,
             })
             .collect();
@@ -163,28 +154,6 @@ impl SingularityCheck<'_> {
             let along = block.members.iter().zip(x);
             !vanishes(along.map(|(v, x)| slopes.get(v).copied().unwrap_or(0.0) * x))
         })
-    }
-
-    /// The value of an expression at the values of the parameters and some values of everything
-    /// else: what vanishes there vanishes in general. Variables in `zero` are 0.
-    fn sample(&self, root: ExprId, zero: impl Fn(VarId) -> bool) -> f64 {
-        let graph = &self.dae.graph;
-        // Fractions of the golden ratio are far from all simple relations.
-        let any = |k: usize| 0.5 + (k as f64 * 0.618_033_988_749_894_9).fract();
-        let variable = |v: VarId| match self.dae.variables.get(v) {
-            _ if zero(v) => Some(0.0),
-            Some(known) if known.kind == VariableKind::Parameter => {
-                self.values.literal(graph, v).or_else(|| Some(any(v.idx())))
-            }
-            _ => Some(any(v.idx())),
-        };
-        let mut values: FastMap<ExprId, f64> = FastMap::default();
-        for e in graph.postorder([root]) {
-            let of = |a: ExprId| values.get(&a).copied();
-            let value = parameter_values::evaluate(graph, e, of, variable);
-            values.insert(e, value.unwrap_or_else(|| any(e.idx())));
-        }
-        values[&root]
     }
 }
 

@@ -2,6 +2,7 @@
 pub mod arithmetic;
 pub mod dominance;
 pub mod eval;
+pub mod function_derivative;
 pub mod gradient;
 pub mod linear;
 pub mod partial;

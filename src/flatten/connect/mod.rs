@@ -454,7 +454,7 @@ pub(super) fn is_connector(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
     matches!(cx.kind(class), ClassKind::Connector | ClassKind::ExpandableConnector)
 }
 
-pub(super) fn is_record(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
+pub(in crate::flatten) fn is_record(cx: &mut Evaluator<'_>, id: InstanceId) -> bool {
     let Some(class) = cx.instances[id].class else { return false };
     matches!(cx.kind(class), ClassKind::Record | ClassKind::OperatorRecord)
 }

@@ -6,6 +6,9 @@
 //! Control Letters 38, 1999, sec. 4). A model without one passes the threshold, and the run fails.
 
 use crate::base::diag::Diagnostic;
+use crate::base::index::FastSet;
+use crate::ir::dae::Dae;
+use crate::ir::expr::{Node, VarId};
 use crate::ir::program::RelationTrigger;
 use crate::ir::trajectory::Event;
 
@@ -57,6 +60,25 @@ pub struct Bounces {
     /// The last one gave a state another value. Others, such as a diode that begins to conduct, may let the
     /// solution turn back.
     is_impact: bool,
+}
+
+/// Whether a discrete variable follows from a relation, through other discrete variables.
+fn reads_relation(dae: &Dae, flag: VarId, relation: u32) -> bool {
+    let mut pending = vec![flag];
+    let mut met = FastSet::default();
+    while let Some(v) = pending.pop() {
+        if !met.insert(v) {
+            continue;
+        }
+        for equation in dae.discrete.iter().filter(|d| d.variable == v) {
+            let is_read = |_, node| matches!(node, Node::Relation(k) if k == relation);
+            if dae.graph.any([equation.value], is_read) {
+                return true;
+            }
+            pending.extend(dae.graph.variables(equation.value));
+        }
+    }
+    false
 }
 
 /// A relation whose events accumulate.
@@ -202,11 +224,33 @@ impl Simulation<'_, '_> {
             }
         }
         let Some((k, events, time)) = passed else { return Ok(()) };
+        if !self.is_still_due(k) {
+            self.bounces[k as usize] = Bounces::default();
+            return Ok(());
+        }
         let relation = self.relation_text(k);
         let cause = RunCause::PassedThrough { time, relation, events };
         let diagnostic = Diagnostic::new(cause, self.relation_span(k))
             .label("after its last change nothing holds the solution");
         Err(Failure::numerics(time, diagnostic))
+    }
+
+    /// False if a relation may keep its value, because what turned the solution back needs more than that, which does
+    /// not hold: a limiter with `when x > max and der(x) < 0` leaves its limit for good when `x` is below.
+    fn is_still_due(&self, relation: u32) -> bool {
+        let dae = &self.program.blocks.dae;
+        let reinits = dae.reinits.iter();
+        let flags: Vec<VarId> = reinits.flat_map(|r| dae.graph.variables(r.active)).collect();
+        let mut is_turned = false;
+        for flag in flags {
+            if reads_relation(dae, flag, relation) {
+                is_turned = true;
+                if self.system.machine.value(flag) != 0.0 {
+                    return true;
+                }
+            }
+        }
+        !is_turned
     }
 
     /// Fails if the solution has passed the threshold at which events accumulated.
@@ -219,6 +263,10 @@ impl Simulation<'_, '_> {
             return Ok(());
         }
         let truth = machine.get(layout.relations + accumulation.relation) != 0.0;
+        if !self.is_still_due(accumulation.relation) {
+            self.accumulation = None;
+            return Ok(());
+        }
         match self.accumulation.take() {
             Some(accumulation) if accumulation.truth == truth => Err(accumulation.failure),
             _ => Ok(()),

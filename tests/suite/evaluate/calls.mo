@@ -225,3 +225,31 @@ model Roots
   Real y[40] = {if noEvent(k > 20*time) then root(k - 20*time) else 0 for k in 1:40};
 end Roots;
 //@ expect y[9], y[20], y[36] = 0, 0, 4 rel 1e-14
+
+//@ case discrete_fields_of_computed_records
+//@ run stop=2 tolerance=1e-8
+// The phase of a medium is an Integer that a function computes: it changes at the events of its comparisons.
+package Media
+  record State
+    Real h;
+    Integer phase;
+  end State;
+  function setState
+    input Real h;
+    output State state;
+  protected
+    Integer phase = if h > 1 and h < 3 then 2 else 1;
+  algorithm
+    state := State(h, phase);
+  end setState;
+  model Heated
+    State bound = setState(2*time);
+    State equated;
+    Real h = 0.6 + time;
+  equation
+    equated = setState(h^2);
+  end Heated;
+end Media;
+//@ expect bound.phase at 0.4, 1, 1.8 = 1, 2, 1
+//@ expect equated.phase at 0.3, 1, 1.5 = 1, 2, 1
+//@ expect events = 4

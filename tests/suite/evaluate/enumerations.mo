@@ -47,3 +47,19 @@ end Gearbox;
 //@ expect speed at 0.5 = 3.5
 //@ expect speed at 1.5 = 2
 //@ expect speed at 2.5 = 1.2
+
+//@ case enumerations_with_the_same_literals
+// They are of one type, as section 6.7 of the specification says.
+package Moved
+  type Old = enumeration(Low, High);
+  type New = enumeration(Low, High);
+  model Switch
+    parameter Old position = Old.Low;
+    Real y = if position == Old.High then 2*time else time;
+  end Switch;
+  model User
+    parameter New position = New.High;
+    Switch switch(position = position);
+  end User;
+end Moved;
+//@ expect switch.y = 2

@@ -162,3 +162,42 @@ package Eigen
   end User;
 end Eigen;
 //@ expect sum, off = 25, 0 abs 1e-11
+
+//@ case eigenvalues_of_what_a_loop_makes_of_parameters
+// How often the loop runs depends on a parameter, which is fixed by that.
+package Eigen
+  pure function dgeev
+    input Real A[:, size(A, 1)];
+    output Real re[size(A, 1)];
+    output Real im[size(A, 1)];
+    output Integer info;
+  protected
+    Real dummy[1, 1];
+    Integer n = size(A, 1);
+    Integer lwork = 12*n;
+    Real Awork[size(A, 1), size(A, 1)] = A;
+    Real work[12*size(A, 1)];
+    external "FORTRAN 77" dgeev("N", "N", n, Awork, n, re, im, dummy, 1, dummy, n, work, lwork, info);
+  end dgeev;
+  function halved
+    input Real d;
+    output Real re[2];
+  protected
+    Real im[2];
+    Integer info;
+    Real x;
+  algorithm
+    x := d;
+    while x > 1 loop
+      x := x/2;
+    end while;
+    (re, im, info) := dgeev({{2, x}, {x, 2}});
+  end halved;
+  model User
+    parameter Real d = 6;
+    parameter Real e = d;
+    parameter Real re[2] = halved(e);
+    Real product = re[1]*re[2]*time;
+  end User;
+end Eigen;
+//@ expect product = 2^2 - 0.75^2 rel 1e-12

@@ -126,3 +126,32 @@ end P;
 //@ expect h.many[1].x, h.many[2].x = 8, 9
 //@ run set=h.one.a=4 set=h.many[2].b=2
 //@ expect h.one.x, h.many[2].x = 9, 10
+
+//@ case sizes_of_fields_of_a_record_that_is_passed_on
+// The record as a whole overrides what its class says of a field of a field, also about sizes.
+package Records
+  record Curve
+    parameter Real V[:];
+    parameter Real dp[size(V, 1)];
+  end Curve;
+  record Data
+    parameter Curve curve(V = {0, 0}, dp = {0, 0});
+    final parameter Real V_max = curve.V[end];
+  end Data;
+  model Inner
+    parameter Data data;
+    Real y = data.V_max*time + size(data.curve.V, 1) + sum(data.curve.dp);
+  end Inner;
+  model Outer
+    replaceable parameter Data data(curve = standard);
+    parameter Real d = 2;
+    parameter Curve standard(V = d*{0, 1, 1.5}, dp = d*{3, 2, 1});
+    Inner inner_one(final data = data);
+  end Outer;
+  model Top
+    Outer a(redeclare Data data(curve = a.standard), d = 3);
+    Outer b(d = 4);
+    Inner c(data(curve(V = {1, 7}, dp = {0, 1})));
+  end Top;
+end Records;
+//@ expect a.inner_one.y, b.inner_one.y, c.y = 4.5 + 3 + 18, 6 + 3 + 24, 7 + 2 + 1

@@ -240,3 +240,22 @@ equation
   end when;
 end AsFast;
 //@ expect n = 16
+
+//@ case limit_that_is_left_after_many_resets
+// The state is set back whenever it begins to fall above its limit; the resets accumulate where the input passes the
+// limit. From there on the state is below it, and nothing sets it back.
+model Limited
+  parameter Real T = 0.05;
+  parameter Real most = 0.5;
+  Real u = 1.2 - time;
+  Real x(start = 0.5, fixed = true);
+equation
+  T*der(x) = u - x;
+  when x > most and u - x < 0 then
+    reinit(x, most);
+  end when;
+end Limited;
+//@ run stop=1 tolerance=1e-8
+// A lag behind a ramp that begins at 0.7 s.
+//@ expect x = 0.2 + 0.05*(1 - exp(-0.3/0.05)) abs 1e-6
+//@ expect each x < u + 0.05 where time > 0.7

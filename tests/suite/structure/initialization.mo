@@ -106,6 +106,46 @@ end Gear;
 //@ run stop=1
 //@ expect w2 = 2 rel 1e-9
 
+//@ case currents_of_a_node_that_all_start_in_the_same_way
+// Each of the three conditions follows from the other two, but only if all equations are solved together.
+model Coils
+  parameter Real k = -1;
+  parameter Real R = 2;
+  parameter Real L = 0.5;
+  Real i, i1, i2;
+  Real v;
+initial equation
+  der(i) = k*i;
+  der(i1) = k*i1;
+  der(i2) = k*i2;
+equation
+  i = i1 + i2;
+  10 = L*der(i) + R*i + v;
+  v = L*der(i1) + R*i1;
+  v = 3*L*der(i2) + R*i2;
+end Coils;
+//@ run stop=1
+// v = (R + k*L)*i1 = (R + 3*k*L)*i2.
+//@ expect v at start = 2 rel 1e-9
+//@ expect i, i1, i2 at start = 16/3, 4/3, 4 rel 1e-9
+
+//@ case currents_of_a_node_that_start_in_different_ways
+model Coils
+  parameter Real k = -1;
+  Real i, i1, i2;
+  Real v;
+initial equation
+  //@ error[MO0408] 3-14
+  der(i) = k*i;
+  der(i1) = k*i1;
+  der(i2) = 2*k*i2 + 1;
+equation
+  i = i1 + i2;
+  10 = der(i) + 4*i + v;
+  v = der(i1) + 4*i1;
+  v = 3*der(i2) + 4*i2;
+end Coils;
+
 //@ case a_start_of_a_constant
 model Tank
   //@ error[MO0408] 8-12
