@@ -133,7 +133,10 @@ pub struct Doc {
     /// Package, folder of packages, or file [default: the shipped library].
     #[arg(value_name = "PATH")]
     pub path: Option<PathBuf>,
-    /// Folder for the pages; index.html is the first.
+    /// HTML opens from disk; Markdown is for a book or a repository.
+    #[arg(long, value_enum, value_name = "FORMAT", default_value = "html")]
+    pub format: PageFormat,
+    /// Folder for the pages; index.html, or README.md, is the first.
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// Folder with libraries, in addition to MODELICAPATH and the shipped library; repeatable.
@@ -142,4 +145,13 @@ pub struct Doc {
     /// Print nothing but errors.
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// The format of pages of a library.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum PageFormat {
+    /// A page for each class.
+    Html,
+    /// A page for each package.
+    Markdown,
 }
