@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::values::page_file;
+use super::values::page;
 
 /// Tests of models.
 #[derive(Args, Debug)]
@@ -27,9 +27,10 @@ pub struct Test {
     /// Print the outcomes as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Page with the changes, .html, written if there are any.
-    #[arg(long, value_name = "FILE", default_value = "mocc-test.html", value_parser = page_file)]
-    pub review: PathBuf,
+    /// Page with the changes, .html, written if there are any; `-` prints it in place of the text
+    /// [default: mocc-test.html].
+    #[arg(long, value_name = "FILE", value_parser = page)]
+    pub review: Option<PathBuf>,
     /// Print nothing but errors.
     #[arg(long, short)]
     pub quiet: bool,
