@@ -8,7 +8,8 @@ use mocc::integrate::outcome::Step;
 use mocc::integrate::radau::Radau;
 use mocc::integrate::stepper::{JacobianMemory, Stepper};
 use mocc::integrate::system::{EvalError, System};
-use mocc::numeric::linear::{ComplexLu, DenseLu};
+use mocc::numeric::linear::DenseLu;
+use mocc::numeric::linear::complex::ComplexLu;
 use mocc::numeric::small_lu;
 
 /// Counts allocations; a step must not make any.

@@ -4,7 +4,8 @@
 //! *Out:* estimates with standard errors and confidence intervals ([`result`]), a page ([`page`]) and the
 //! calibrated model as text ([`calibrated_model`]). [`run`] is the whole workflow for any front end.
 //!
-//! [`problem`] turns parameters into residuals and their derivatives, [`fit`] minimises them under the
+//! [`problem`] turns parameters into residuals ([`recording_run`]) and their derivatives ([`slopes`]), for all
+//! recordings together ([`objective`]), [`fit`] minimises them under the
 //! rules of [`policy`], [`statistics`] and [`profile`] say how well the data determine the result.
 pub mod calibrated_model;
 pub mod cause;
@@ -17,6 +18,7 @@ pub mod fit;
 pub mod memory;
 pub mod modification;
 pub mod noise;
+pub mod objective;
 pub mod observer;
 pub mod own_fit;
 pub mod page;
@@ -27,11 +29,13 @@ pub mod plan_file;
 pub mod policy;
 pub mod problem;
 pub mod profile;
+pub mod recording_run;
 pub mod residual_vector;
 pub mod result;
 pub mod rows;
 pub mod run;
 pub mod skeleton;
+pub mod slopes;
 pub mod statistics;
 pub mod sums;
 pub mod table;

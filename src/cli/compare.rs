@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::args::model::is_standard;
 use super::args::results::Compare;
-use super::{Status, print, running, standard_input};
+use super::{Status, print, print_bytes, running, standard, standard_input};
 use crate::compare::tolerance::Tolerance;
 use crate::io::csv::{table_of, trajectory_of};
 use crate::io::format::Format;
@@ -12,7 +12,7 @@ use crate::io::json::Json;
 use crate::ir::trajectory::Trajectory;
 use crate::regression::test_file::Traces;
 use crate::regression::traces::{Differences, compare, picture, selected};
-use crate::report::chart::chart;
+use crate::report::chart::{chart, svg};
 
 /// Runs the command: status 0 if the results agree, 1 if they differ.
 pub fn run(options: &Compare) -> Status {
@@ -29,6 +29,8 @@ fn carry_out(options: &Compare) -> Result<Status, String> {
     if is_standard(&options.found) && is_standard(&options.reference) {
         return Err("only one of the results can be the standard input".to_owned());
     }
+    let is_piped =
+        standard::single_with_json(&[("--plot", &options.plot)], options.json)?.is_some();
     let run = result(&options.found)?;
     let reference = result(&options.reference)?;
     let mut names = Vec::new();
@@ -58,7 +60,11 @@ fn carry_out(options: &Compare) -> Result<Status, String> {
     let agree = found.messages.is_empty();
     if let Some(path) = options.plot.as_ref().filter(|_| !found.departures.is_empty()) {
         let title = format!("{} and {}", options.found.display(), options.reference.display());
-        chart(&picture(&title, &run, &reference, &found), path).map_err(|e| e.to_string())?;
+        let drawn = picture(&title, &run, &reference, &found);
+        match is_piped {
+            true => print_bytes(svg(&drawn).map_err(|e| e.to_string())?.as_bytes())?,
+            false => chart(&drawn, path).map_err(|e| e.to_string())?,
+        }
     }
     let text = if options.json {
         json(&found, columns.len(), &run).pretty()
@@ -68,7 +74,15 @@ fn carry_out(options: &Compare) -> Result<Status, String> {
             &format!("{} variables compared, {} differ\n", columns.len(), found.departures.len());
         text
     };
-    match print(&text) {
+    let printed = match is_piped {
+        true if options.quiet => Status::Done,
+        true => {
+            eprint!("{text}");
+            Status::Done
+        }
+        false => print(&text),
+    };
+    match printed {
         Status::Done if !agree => Ok(Status::Model),
         status => Ok(status),
     }

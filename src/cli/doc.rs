@@ -2,15 +2,19 @@
 
 use std::path::Path;
 
-use super::args::project::Doc;
+use super::args::project::{Doc, PageFormat};
 use super::{Status, modelica_path, print};
 use crate::doc::classes::Classes;
-use crate::doc::page::pages;
+use crate::doc::pictures::Pictures;
+use crate::doc::{html, markdown};
 use crate::driver::catalogue::{Parsed, kind, list, parsed, tree};
 use crate::driver::compile::{Request, Session};
 use crate::driver::files::{is_shipped, read, top_level};
 use crate::io::atomic_file::{create_folder, write_file};
 use crate::report::schematic::{draw, picture};
+
+/// Pictures of classes next to the pages: `pictures/NAME.svg`.
+const PICTURES: &str = "pictures";
 
 /// Runs the command.
 pub fn run(options: &Doc) -> Status {
@@ -58,13 +62,23 @@ fn make(options: &Doc) -> Result<String, String> {
     };
     let classes = Classes::new(own, others);
     let diagram = |name: &str| diagram(&request, &classes, name);
-    create_folder(&options.output).map_err(|e| e.to_string())?;
-    let all = pages(&classes, &diagram);
+    let own = |name: &str| {
+        let path = format!("{PICTURES}/{name}.svg");
+        options.output.join(&path).is_file().then_some(path)
+    };
+    let pictures = Pictures { own: &own, diagram: &diagram };
+    let all = match options.format {
+        PageFormat::Html => html::pages(&classes, &pictures),
+        PageFormat::Markdown => markdown::pages(&classes, &pictures),
+    };
     for (name, text) in &all {
-        write_file(options.output.join(name), text.as_bytes()).map_err(|e| e.to_string())?;
+        let path = options.output.join(name);
+        create_folder(path.parent().unwrap_or(&options.output)).map_err(|e| e.to_string())?;
+        write_file(path, text.as_bytes()).map_err(|e| e.to_string())?;
     }
-    let index = options.output.join("index.html");
-    Ok(format!("wrote {} pages, {}\n", all.len(), index.display()))
+    let pages = all.iter().filter(|(name, _)| !name.ends_with(".svg")).count();
+    let index = options.output.join(all.first().map_or("", |(name, _)| name));
+    Ok(format!("wrote {pages} pages, {}\n", index.display()))
 }
 
 /// The classes of the library in the binary.

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use super::args::export::{Export, ExportFmu, Exported, FmuType};
-use super::{Status, explain, print, running, say, style};
+use super::args::model::is_standard;
+use super::{Status, explain, print, running, say, style, write_result};
 use crate::base::diag::Diagnostic;
 use crate::base::render::render;
 use crate::base::source::{SourceMap, Span};
@@ -15,7 +16,6 @@ use crate::driver::ports::Exportable;
 use crate::fmu::cause::FmuCause;
 use crate::fmu::description::Version;
 use crate::fmu::export::{Order, export};
-use crate::io::atomic_file::write_file;
 use crate::io::csv::text_of;
 use crate::ir::assembly::Assembly;
 use crate::ir::flat::Causality;
@@ -77,26 +77,32 @@ fn fmu(options: &ExportFmu) -> Status {
     let path = options.output.clone().unwrap_or_else(|| {
         PathBuf::from(format!("{}.fmu", running::stem(&options.model, &program)))
     });
-    if let Err(why) = write_file(&path, &archive) {
-        let why = why.to_string();
-        return refused(&file_problem(&path, why));
-    }
+    let written = match write_result(&path, &archive) {
+        Ok(_) if is_standard(&path) => format!("  {:.2} MB", archive.len() as f64 / 1e6),
+        Ok(_) => format!("  wrote {} ({:.2} MB)", path.display(), archive.len() as f64 / 1e6),
+        Err(why) => return refused(&file_problem(&path, why)),
+    };
     let offered = match (order.exchange && !only_stepping, order.stepping) {
         (true, true) => "Model Exchange and Co-Simulation",
         (true, false) => "Model Exchange",
         _ => "Co-Simulation",
     };
     let text = format!(
-        "{}: FMI {}.0, {offered}, {} states\n  wrote {} ({:.2} MB) in {:.0} ms, with {}\n",
+        "{}: FMI {}.0, {offered}, {} states\n{written} in {:.0} ms, with {}\n",
         program.blocks.dae.name,
         options.fmi,
         program.blocks.states.len(),
-        path.display(),
-        archive.len() as f64 / 1e6,
         1e3 * started_at.elapsed().as_secs_f64(),
         from.display(),
     );
-    let status = print(&text);
+    let status = match is_standard(&path) {
+        true if options.quiet => Status::Done,
+        true => {
+            eprint!("{text}");
+            Status::Done
+        }
+        false => print(&text),
+    };
     std::mem::forget(program);
     status
 }

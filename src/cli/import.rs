@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::args::export::Import;
-use super::{Status, explain, print, style};
+use super::args::model::is_standard;
+use super::{Status, explain, print, style, write_result};
 use crate::base::diag::Diagnostic;
 use crate::base::render::render;
 use crate::base::source::{SourceMap, Span};
 use crate::fmu::cause::FmuCause;
 use crate::fmu::import::{block, model};
-use crate::io::atomic_file::write_file;
 use crate::ir::foreign::ForeignModel;
 
 /// Runs the command. The FMU is read, but its code is not loaded.
@@ -32,18 +32,26 @@ pub fn run(options: &Import) -> Status {
     let interface = fmu.interface();
     let file = named_in(&options.file, &output);
     let text = block::block(interface, &class, &file, fmu.token());
-    if let Err(why) = write_file(&output, text.as_bytes()) {
-        let (path, why) = (output.display().to_string(), why.to_string());
-        return refuse(&Diagnostic::new(FmuCause::FileOfFmu { path, why }, Span::NONE));
-    }
-    if options.quiet {
-        return Status::Done;
-    }
-    print(&format!(
-        "{class}: a block that runs `{file}`\n  wrote {}\n  the FMU is foreign code: models that use the block run it only with `--allow-fmu {}`\n",
-        output.display(),
+    let written = match write_result(&output, text.as_bytes()) {
+        Ok(line) => line,
+        Err(why) => {
+            let path = output.display().to_string();
+            return refuse(&Diagnostic::new(FmuCause::FileOfFmu { path, why }, Span::NONE));
+        }
+    };
+    let indented = if written.is_empty() { written } else { format!("  {written}") };
+    let said = format!(
+        "{class}: a block that runs `{file}`\n{indented}  the FMU is foreign code: models that use the block run it only with `--allow-fmu {}`\n",
         options.file.display(),
-    ))
+    );
+    match is_standard(&output) {
+        true if options.quiet => Status::Done,
+        true => {
+            eprint!("{said}");
+            Status::Done
+        }
+        false => print(&said),
+    }
 }
 
 /// The path of the FMU in the model: its name if it lies in the same folder, else its full path.

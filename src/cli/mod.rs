@@ -38,6 +38,7 @@ pub mod run_summary;
 pub mod running;
 pub mod show;
 pub mod simulate;
+pub mod standard;
 pub mod start_text;
 pub mod stream;
 pub mod sweep;

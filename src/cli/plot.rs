@@ -233,6 +233,12 @@ fn columns(path: &Path) -> Result<Columns, String> {
     let text = text.map_err(|e| format!("cannot read {}: {e}", path.display()))?;
     let mut lines = text.lines();
     let names = lines.next().map(parts).unwrap_or_default();
+    if names.len() < 2 {
+        return Err(format!(
+            "{} is not a table: its first line does not name two columns or more",
+            path.display()
+        ));
+    }
     let mut values = vec![Vec::new(); names.len()];
     for (at, line) in lines.enumerate().filter(|(_, line)| !line.trim().is_empty()) {
         let row = parts(line);

@@ -7,15 +7,15 @@ use super::args::model::is_standard;
 use super::args::runs::Simulate;
 use super::progress::Progress;
 use super::run_summary::summary_json;
+use super::standard::real_path;
 use super::start_text::Start;
 use super::stream::{OtherUnit, Stream, drawable};
-use super::{Status, fmu_host, interrupt, print, print_file, running, say, style};
+use super::{Status, fmu_host, interrupt, print, print_file, running, say, standard, style};
 use crate::base::diag::did_you_mean;
 use crate::base::render::render;
 use crate::base::source::SourceMap;
 use crate::driver::compile::{Request, Session};
 use crate::driver::quantity::scale_of;
-use crate::io::atomic_file::scratch_path;
 use crate::io::format::Format;
 use crate::io::json::Json;
 use crate::io::printout::Printout;
@@ -34,20 +34,13 @@ use crate::structure::start_report::report;
 
 /// Runs the command.
 pub fn run(options: &Simulate) -> Status {
-    let is_piped = options.output.as_deref().is_some_and(is_standard);
-    let format = match &options.output {
-        Some(_) if is_piped => Format::of(Path::new(&format!("-.{}", options.format))).map(drop),
-        Some(path) => Format::of(path).map(drop),
-        None => Ok(()),
+    let is_piped = match piped(options) {
+        Ok(option) => option.is_some(),
+        Err(why) => {
+            eprintln!("error: {why}");
+            return Status::Usage;
+        }
     };
-    if let Err(why) = format {
-        eprintln!("error: {why}");
-        return Status::Usage;
-    }
-    if is_piped && options.json {
-        eprintln!("error: --json and --output - both write to the standard output");
-        return Status::Usage;
-    }
     let started_at = Instant::now();
     options.limits.max_seconds.into_iter().for_each(fmu_host::set_limit);
     let mut session = Session { is_last: true, ..Session::default() };
@@ -139,12 +132,16 @@ pub fn run(options: &Simulate) -> Status {
         if let Some(plan) = &measures {
             text.push_str(&measured(&plan.columns, &values));
         }
-        match (is_piped, written.first()) {
-            (true, Some(file)) => {
+        match files.piped(options).filter(|file| written.contains(file)) {
+            Some(file) => {
                 eprint!("{text}");
                 print_file(file)
             }
-            _ => print(&text),
+            None if is_piped => {
+                eprint!("{text}");
+                Status::Done
+            }
+            None => print(&text),
         }
     };
     let status = match printed {
@@ -158,6 +155,21 @@ pub fn run(options: &Simulate) -> Status {
     // The process ends: freeing gigabytes of a large model would only take time.
     std::mem::forget(program);
     status
+}
+
+/// The option whose result goes to the standard output, after a check of the format of results. The error is a
+/// message.
+fn piped(options: &Simulate) -> Result<Option<&'static str>, String> {
+    match &options.output {
+        Some(path) if is_standard(path) => {
+            Format::of(Path::new(&format!("-.{}", options.format))).map(drop)
+        }
+        Some(path) => Format::of(path).map(drop),
+        None => Ok(()),
+    }
+    .map_err(|e| e.to_string())?;
+    let outputs = [("--output", &options.output), ("--plot", &options.plot)];
+    standard::single_with_json(&outputs, options.json)
 }
 
 /// Prints how the initial values come about, before the run, which may fail; for `--json` returns it.
@@ -218,14 +230,19 @@ impl Files {
         let stem = running::stem(&options.model, program);
         let default =
             |extension: &str| neither.then(|| PathBuf::from(format!("{stem}.{extension}")));
-        let output = options.output.as_ref().map(|path| match is_standard(path) {
-            true => scratch_path(&options.format),
-            false => path.clone(),
-        });
+        let output = options.output.as_ref().map(|path| real_path(path, &options.format));
+        let picture = options.plot.as_ref().map(|path| real_path(path, "svg"));
         Files {
             table: output.or_else(|| default("csv")),
-            picture: options.plot.clone().or_else(|| default("svg")),
+            picture: picture.or_else(|| default("svg")),
         }
+    }
+
+    /// The temporary file that goes to the standard output.
+    fn piped(&self, options: &Simulate) -> Option<&PathBuf> {
+        let pairs = [(&options.output, &self.table), (&options.plot, &self.picture)];
+        let is_piped = |path: &Option<PathBuf>| path.as_deref().is_some_and(is_standard);
+        pairs.into_iter().find_map(|(asked, real)| real.as_ref().filter(|_| is_piped(asked)))
     }
 
     /// The stream that takes the rows; reports variables that cannot be drawn before the run.

@@ -1,12 +1,12 @@
 //! `mocc test`: runs tests of models, shows what changed, and writes snapshots if asked to.
 
-use super::args::model::is_standard;
+use std::path::Path;
+
 use super::args::project::Test as Options;
-use super::{Status, modelica_path, print, say_problems, write_result};
+use super::{Status, modelica_path, print, say_problems, standard, write_result};
 use crate::base::diag::Problems;
 use crate::base::source::SourceMap;
 use crate::driver::files::read;
-use crate::io::atomic_file::write_file;
 use crate::regression::files::{discover, is_test};
 use crate::regression::run::{Finding, Outcome, run as run_test};
 use crate::regression::snapshot::{Snapshot, TRACES, unused};
@@ -16,6 +16,8 @@ use crate::regression::{annotation, review};
 use crate::report::page::diff::plain;
 use crate::sweep::pool;
 
+/// The page with the changes, unless the user names another.
+const REVIEW: &str = "mocc-test.html";
 /// Lines of a difference that are printed; the page has all of them.
 const MOST_LINES: usize = 40;
 
@@ -43,7 +45,8 @@ fn carry_out(options: &Options) -> Result<Status, String> {
         let filter = options.filter.as_deref().unwrap_or_default();
         return Err(format!("no test matches `{filter}`; there are {}", all.len()));
     }
-    let is_piped = options.junit.as_deref().is_some_and(is_standard);
+    let is_piped = is_piped(options)?;
+    let review = options.review.as_deref().unwrap_or(Path::new(REVIEW));
     let jobs = options.jobs.map_or_else(pool::cores, |n| n.min(1 << 10) as usize);
     let mut outcomes: Vec<Outcome> = Vec::new();
     let mut printed = Status::Done;
@@ -71,8 +74,7 @@ fn carry_out(options: &Options) -> Result<Status, String> {
         .collect();
     let is_reviewed = !changed.is_empty();
     if is_reviewed {
-        write_file(&options.review, review::page(&changed).as_bytes())
-            .map_err(|e| e.to_string())?;
+        write_result(review, review::page(&changed).as_bytes())?;
     }
     let mut updated = Vec::new();
     if options.update {
@@ -97,7 +99,7 @@ fn carry_out(options: &Options) -> Result<Status, String> {
             text += &format!(", {} snapshots written", updated.len());
         }
         if is_reviewed {
-            text += &format!("; the changes are in {}", options.review.display());
+            text += &format!("; the changes are in {}", review.display());
         }
         text + "\n"
     };
@@ -108,6 +110,12 @@ fn carry_out(options: &Options) -> Result<Status, String> {
         Status::Done if failed > 0 => Ok(Status::Model),
         status => Ok(status),
     }
+}
+
+/// Whether a result goes to the standard output in place of the text.
+fn is_piped(options: &Options) -> Result<bool, String> {
+    let outputs = [("--junit", &options.junit), ("--review", &options.review)];
+    standard::single_with_json(&outputs, options.json).map(|option| option.is_some())
 }
 
 /// All tests of the paths.
@@ -166,7 +174,7 @@ fn accept(
         updated.push(snapshot.path.display().to_string());
     }
     outcome.findings = rest;
-    if !options.json && !options.junit.as_deref().is_some_and(is_standard) {
+    if !options.json && !is_piped(options)? {
         text += &summary::line(test, outcome);
         print(&text);
     }

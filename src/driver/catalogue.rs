@@ -154,7 +154,7 @@ pub fn shipped() -> Sources {
     out
 }
 
-/// Names of the classes that have a file or folder of their own.
+/// Names of the classes that have a file or folder of their own, in the order that the package states (MLS 13.4.1).
 fn names(folder: &dyn Folder, path: &Path) -> Vec<String> {
     let is_package = |name: &str| {
         let inside = path.join(name).join("package.mo");
@@ -165,7 +165,12 @@ fn names(folder: &dyn Folder, path: &Path) -> Vec<String> {
         Some(name) => is_package(name).then(|| name.to_owned()),
         None => entry.strip_suffix(".mo").filter(|name| *name != "package").map(str::to_owned),
     };
-    entries.iter().filter_map(name).collect()
+    let mut names: Vec<String> = entries.iter().filter_map(name).collect();
+    if let Some(Ok(order)) = folder.read(&path.join("package.order")) {
+        let place = |name: &String| order.lines().position(|line| line.trim() == name);
+        names.sort_by_key(|name| place(name).unwrap_or(usize::MAX));
+    }
+    names
 }
 
 fn listed(folder: &dyn Folder, name: &str) -> Option<Listed> {

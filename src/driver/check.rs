@@ -65,10 +65,12 @@ impl Session {
             let mut cx =
                 Evaluator::new(ClassGraph::new(&mut self.sources, &mut problems, &mut library));
             cx.budget = request.budget();
-            if let Ok(class) = model(&mut cx, request, file.as_deref()) {
+            let found = model(&mut cx, request, file.as_deref());
+            if let Ok(class) = found {
                 one(&mut cx, class);
             }
             self.problems.extend(problems);
+            found?;
             return if self.problems.has_errors() { Err(CompileError::Model) } else { Ok(()) };
         };
         let runs: FastSet<String> = models(file).into_iter().collect();

@@ -61,6 +61,8 @@ pub(super) fn model(
         let near = did_you_mean(&wanted, names.iter().map(String::as_str)).map(str::to_owned);
         let cause = RequestCause::UnknownModel { name: wanted, near };
         cx.problems.push(Diagnostic::new(cause, Span::NONE));
+        // Its name is in the command line.
+        return Err(CompileError::Request);
     }
     Err(CompileError::Model)
 }

@@ -4,7 +4,7 @@
 //! are made orthogonal to each other, as far as the matrix has so many.
 
 use super::eigenvalues::Complex;
-use super::linear::ComplexLu;
+use super::linear::complex::ComplexLu;
 
 /// Iterations for one vector; the first one is usually enough.
 const ITERATIONS: usize = 4;

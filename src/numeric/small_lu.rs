@@ -289,7 +289,7 @@ fn solve_complex_any(
 
 /// `target -= source * (x + i y)` on the two planes.
 #[inline]
-fn subtract_multiple(
+pub fn subtract_multiple(
     target_re: &mut [f64],
     target_im: &mut [f64],
     source_re: &[f64],
@@ -304,7 +304,7 @@ fn subtract_multiple(
 }
 
 /// `1 / (x + i y)` by R. L. Smith's algorithm (Comm. ACM 5, 1962), which avoids early overflow.
-fn reciprocal(x: f64, y: f64) -> (f64, f64) {
+pub fn reciprocal(x: f64, y: f64) -> (f64, f64) {
     if x.abs() >= y.abs() {
         let ratio = y / x;
         let d = x + y * ratio;

@@ -1,7 +1,8 @@
 //! The matrix of a large linear block, stored and decomposed by its entries.
 
 use crate::ir::program::Entry;
-use crate::numeric::linear::{Singular, SparseLu};
+use crate::numeric::linear::Singular;
+use crate::numeric::linear::sparse::SparseLu;
 use crate::numeric::pattern::Pattern;
 
 /// Smaller matrices are dense: plain loops are faster than the lists of a sparse matrix.

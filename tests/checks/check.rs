@@ -70,7 +70,7 @@ fn one_model_and_what_is_not_there() {
     let one = mocc(folder.path(), &["check", "several.mo", "--model", "Several.Resistor"]);
     assert_eq!(one.status, 0, "{}", one.err);
     let none = mocc(folder.path(), &["check", "several.mo", "--model", "Several.Resistr"]);
-    assert_eq!(none.status, 1);
+    assert_eq!(none.status, 2);
     assert!(none.err.contains("MO0104"), "{}", none.err);
     assert_eq!(mocc(root(), &["check", "nowhere.mo"]).status, 2);
 }

@@ -352,7 +352,7 @@ fn exit_statuses() {
     assert_eq!(status(&["--version"]), 0);
     for command in ["simulate", "flatten", "structure"] {
         assert_eq!(status(&[command, "wrong.mo"]), 1);
-        assert_eq!(status(&[command, "shop.mo", "--model", "Shop.None"]), 1);
+        assert_eq!(status(&[command, "shop.mo", "--model", "Shop.None"]), 2);
         assert_eq!(status(&[command, "missing.mo"]), 2);
         assert_eq!(status(&[command, "shop.mo", "--set", "nothing=1"]), 2);
         assert_eq!(status(&[command, "shop.mo", "--set", "gain=true"]), 2);

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use super::door::Scratch;
-use super::program::{Ended, mocc};
+use super::program::{Ended, fmu_runtime, mocc};
 
 fn done(folder: &Path, arguments: &[&str]) -> Ended {
     let ended = mocc(folder, arguments);
@@ -362,6 +362,62 @@ fn classes_next_to_the_model_are_found() {
 }
 
 #[test]
+fn every_output_can_be_the_standard_output() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    folder.file(
+        "tank.mo",
+        "model Tank\n  parameter Real k = 1;\n  Real x(start = 1, fixed = true);\nequation\n  der(x) = -k*x;\nend Tank;\n",
+    );
+    fn with<'a>(first: &[&'a str], more: &[&'a str]) -> Vec<&'a str> {
+        [first, more].concat()
+    }
+    let plot = ["simulate", "tank.mo", "--plot", "-"];
+    let ended = mocc(path, &plot);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    assert!(ended.out.starts_with("<svg") && ended.err.contains("Tank: 1 states"), "{}", ended.err);
+    assert!(done(path, &with(&plot, &["--quiet", "--output", "tank.csv"])).out.starts_with("<svg"));
+    assert!(path.join("tank.csv").is_file());
+    let both = "error: --output - and --plot - both write to the standard output\n";
+    assert_eq!(refused(path, &with(&plot, &["--output", "-"])), both);
+    assert!(refused(path, &with(&plot, &["--json"])).contains("--json and --plot - both"));
+
+    let valve = root().join("examples/valve52.mol").display().to_string();
+    let diagram = ["report", &valve, "--diagram", "-"];
+    let ended = done(path, &with(&diagram, &["--quiet"]));
+    assert!(ended.out.starts_with("<svg"), "{}", ended.out);
+    assert!(refused(path, &with(&diagram, &["--output", "-"])).contains("both write"));
+
+    done(path, &["simulate", "tank.mo", "--set", "k=2", "--output", "other.csv", "--quiet"]);
+    let ended = mocc(path, &["compare", "tank.csv", "other.csv", "--plot", "-"]);
+    assert_eq!(ended.status, 1, "{}", ended.err);
+    assert!(ended.out.starts_with("<svg") && ended.err.contains("compared, "), "{}", ended.err);
+
+    folder.file("tank.test.toml", "[[test]]\nname = \"all\"\nflat = true\n");
+    assert_eq!(mocc(path, &["test", "--update"]).status, 0);
+    let changed =
+        fs::read_to_string(path.join("tank.mo")).expect("the model").replace("-k*x", "-2*k*x");
+    folder.file("tank.mo", &changed);
+    let ended = mocc(path, &["test", "--review", "-"]);
+    assert_eq!(ended.status, 1, "{}", ended.err);
+    assert!(ended.out.starts_with("<!DOCTYPE html>"), "{}", ended.out);
+    assert!(refused(path, &["test", "--review", "-", "--json"]).contains("both write"));
+
+    let Some(runtime) = fmu_runtime() else { return };
+    let archive = Command::new(env!("CARGO_BIN_EXE_mocc"))
+        .current_dir(path)
+        .args(["export", "fmu", "tank.mo", "--output", "-", "--runtime"])
+        .arg(runtime)
+        .output()
+        .expect("mocc starts");
+    assert_eq!(archive.status.code(), Some(0));
+    assert!(archive.stdout.starts_with(b"PK"), "a ZIP archive");
+    fs::write(path.join("tank.fmu"), &archive.stdout).expect("an FMU");
+    let block = done(path, &["import", "tank.fmu", "--output", "-", "--quiet"]).out;
+    assert!(block.contains("block tank") && !path.join("-").exists(), "{block}");
+}
+
+#[test]
 fn results_and_plans_go_through_pipes() {
     let folder = Scratch::new();
     let path = folder.path();
@@ -387,7 +443,7 @@ fn results_and_plans_go_through_pipes() {
     assert!(refused(path, &["compare", "-", "-"]).contains("only one"));
     assert!(piped(path, &["compare", "run.csv", "-"], "a").status == 2);
     assert!(done(path, &["plot", "run.csv", "--output", "-"]).out.starts_with("<svg"));
-    let page = done(path, &["report", "tank.mo", "--output", "-"]).out;
+    let page = done(path, &["report", "tank.mo", "--output", "-", "--quiet"]).out;
     assert!(page.starts_with("<!DOCTYPE html>") && page.trim_end().ends_with("</html>"));
     assert!(done(path, &["structure", "tank.mo", "--dot", "-"]).out.starts_with("digraph"));
     assert!(done(path, &["structure", "tank.mo", "--svg", "-"]).out.starts_with("<svg"));
@@ -437,4 +493,8 @@ fn quiet_commands_print_nothing_but_errors() {
     let ended = mocc(path, &["check", "b.mo", "-q"]);
     assert_eq!((ended.status, ended.out.as_str()), (1, ""));
     assert!(ended.err.contains("error[MO0202]"));
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
 }

@@ -33,7 +33,7 @@ pub struct ExportFmu {
     /// Who integrates: the importer (me), the FMU (cs), or either.
     #[arg(long = "type", value_enum, value_name = "TYPE", default_value = "both")]
     pub kind: FmuType,
-    /// File to write [default: the name of the model, with `.fmu`].
+    /// File to write; `-` is the standard output [default: the name of the model, with `.fmu`].
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Shared library that runs the model [default: `libmocc_fmu.so` next to mocc].
@@ -53,7 +53,7 @@ pub struct Import {
     /// The FMU.
     #[arg(value_name = "FMU")]
     pub file: PathBuf,
-    /// File to write [default: the name of the block, with `.mo`].
+    /// File to write; `-` prints it [default: the name of the block, with `.mo`].
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Name of the block [default: that of the FMU's file].

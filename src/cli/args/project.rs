@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::values::page_file;
+use super::values::page;
 
 /// Tests of models.
 #[derive(Args, Debug)]
@@ -27,9 +27,10 @@ pub struct Test {
     /// Print the outcomes as JSON on standard output.
     #[arg(long)]
     pub json: bool,
-    /// Page with the changes, .html, written if there are any.
-    #[arg(long, value_name = "FILE", default_value = "mocc-test.html", value_parser = page_file)]
-    pub review: PathBuf,
+    /// Page with the changes, .html, written if there are any; `-` prints it in place of the text
+    /// [default: mocc-test.html].
+    #[arg(long, value_name = "FILE", value_parser = page)]
+    pub review: Option<PathBuf>,
     /// Print nothing but errors.
     #[arg(long, short)]
     pub quiet: bool,
@@ -133,7 +134,10 @@ pub struct Doc {
     /// Package, folder of packages, or file [default: the shipped library].
     #[arg(value_name = "PATH")]
     pub path: Option<PathBuf>,
-    /// Folder for the pages; index.html is the first.
+    /// HTML opens from disk; Markdown is for a book or a repository.
+    #[arg(long, value_enum, value_name = "FORMAT", default_value = "html")]
+    pub format: PageFormat,
+    /// Folder for the pages; index.html, or README.md, is the first.
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// Folder with libraries, in addition to MODELICAPATH and the shipped library; repeatable.
@@ -142,4 +146,13 @@ pub struct Doc {
     /// Print nothing but errors.
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+/// The format of pages of a library.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum PageFormat {
+    /// A page for each class.
+    Html,
+    /// A page for each package.
+    Markdown,
 }

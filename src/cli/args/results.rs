@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::values::{ends, picture, picture_file, tolerance};
+use super::values::{ends, picture, tolerance};
 
 /// Two results.
 #[derive(Args, Debug)]
@@ -30,8 +30,8 @@ pub struct Compare {
     /// Time by which changes may come earlier or later, s [default: a 10000th of the reference's].
     #[arg(long, allow_negative_numbers = true, value_name = "T", value_parser = tolerance)]
     pub time: Option<f64>,
-    /// Draw the variables that differ most, .svg or .png.
-    #[arg(long, value_name = "PATH", value_parser = picture_file)]
+    /// Draw the variables that differ most, .svg or .png; `-` prints them as SVG in place of the text.
+    #[arg(long, value_name = "PATH", value_parser = picture)]
     pub plot: Option<PathBuf>,
     /// Print the differences as JSON on standard output.
     #[arg(long)]

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::model::{Limits, Model};
 use super::running::Running;
-use super::values::{page, picture_file, unit_of};
+use super::values::{page, picture, unit_of};
 use crate::io::format::extensions;
 
 /// A run.
@@ -27,8 +27,8 @@ pub struct Simulate {
     /// Write a variable in another unit, such as p2=bar; repeatable [default: SI units].
     #[arg(long = "unit", value_name = "NAME=UNIT", value_parser = unit_of)]
     pub units: Vec<(String, String)>,
-    /// Picture, .svg or .png [default: FILE with .svg; none if only --output is given].
-    #[arg(long, value_name = "PATH", value_parser = picture_file)]
+    /// Picture, .svg or .png; `-` prints it as SVG [default: FILE with .svg; none if only --output is given].
+    #[arg(long, value_name = "PATH", value_parser = picture)]
     pub plot: Option<PathBuf>,
     /// Variables to draw, separated by commas.
     #[arg(long, value_name = "NAME,...")]
@@ -74,8 +74,8 @@ pub struct Report {
     /// The page, .html; `-` prints it [default: FILE with _report.html; none if only --diagram is given].
     #[arg(long, value_name = "PATH", value_parser = page)]
     pub output: Option<PathBuf>,
-    /// Draw the components and their connections, .svg or .png.
-    #[arg(long, value_name = "PATH", value_parser = picture_file)]
+    /// Draw the components and their connections, .svg or .png; `-` prints them as SVG.
+    #[arg(long, value_name = "PATH", value_parser = picture)]
     pub diagram: Option<PathBuf>,
     /// Add a run with other parameters, "LABEL: NAME=VALUE, ..."; repeatable.
     #[arg(long = "run", value_name = "RUN")]

@@ -14,18 +14,8 @@ pub fn page(text: &str) -> Result<PathBuf, String> {
     standard(text).map_or_else(|| with_extension(text, &["html", "htm"]), Ok)
 }
 
-/// A file of a page by its extension.
-pub fn page_file(text: &str) -> Result<PathBuf, String> {
-    with_extension(text, &["html", "htm"])
-}
-
 fn standard(text: &str) -> Option<PathBuf> {
     (text == "-").then(|| PathBuf::from(text))
-}
-
-/// A picture file by its extension.
-pub fn picture_file(text: &str) -> Result<PathBuf, String> {
-    with_extension(text, &["svg", "png"])
 }
 
 fn with_extension(text: &str, known: &[&str]) -> Result<PathBuf, String> {

@@ -14,7 +14,8 @@ use crate::integrate::matrix::panel::PanelMemory;
 use crate::integrate::matrix::sparse::SparseParts;
 use crate::integrate::matrix::split::{Columns, Split};
 use crate::integrate::system::{EvalError, System};
-use crate::numeric::linear::{ComplexLu, DenseLu, Singular};
+use crate::numeric::linear::complex::ComplexLu;
+use crate::numeric::linear::{DenseLu, Singular};
 use crate::numeric::pattern::Pattern;
 
 /// The Jacobian, the split into substituted and decomposed rows, and the decompositions.

@@ -3,7 +3,9 @@
 use crate::integrate::matrix::split::{Columns, Split};
 use crate::integrate::matrix::{Planes, Shift};
 use crate::integrate::system::{EvalError, System};
-use crate::numeric::linear::{Complex, ComplexSparseLu, Singular, SparseLu};
+use crate::numeric::linear::Singular;
+use crate::numeric::linear::complex_sparse::{Complex, ComplexSparseLu};
+use crate::numeric::linear::sparse::SparseLu;
 use crate::numeric::pattern::Pattern;
 
 /// Minimum order for sparse decompositions.

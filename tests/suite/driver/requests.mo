@@ -1,6 +1,7 @@
 //@ case no_such_model
 //@ run model=Tanks.Larg
 //@ error[MO0104] nowhere
+//@ status 2
 package Tanks
   model Large
     Real x = 1;
