@@ -196,6 +196,15 @@ def test_the_valve_of_the_tutorial_gets_its_detent():
     assert {**again.result, "seconds": 0} == {**d.result, "seconds": 0}
 
 
+def test_a_diagnosis_of_many_recordings_is_the_same_on_an_executor():
+    # From three recordings on, their number is a condition: the workers know it too.
+    frames = {name: recording(0.8, seed) for seed, name in enumerate(["one", "two", "three", "four"], 1)}
+    here = mocc.diagnose(PLAN, frames)
+    with ThreadPoolExecutor(2) as executor:
+        there = mocc.diagnose(PLAN, frames, executor=executor)
+    assert {**there.result, "seconds": 0} == {**here.result, "seconds": 0}
+
+
 def test_a_time_limit_ends_a_diagnosis():
     d = mocc.diagnose(ROOT / "docs" / "tutorial" / "plan.toml", time_limit=0)
     assert not d.result["complete"]

@@ -21,6 +21,7 @@ use crate::runtime::jit::tiering::Execution;
 use super::data::Data;
 use super::plan::{Free, Plan};
 use super::problem::{Problem, record_signals};
+use super::recording_number::{is_numbered, number_recordings};
 use super::run::{CalibrationError, Request, inputs};
 
 /// Programs that a worker keeps.
@@ -99,6 +100,7 @@ pub fn described(program: &Program, sources: &SourceMap, plan: &Plan, data: &Dat
     }
     w.count(plan.signals.len());
     plan.signals.iter().for_each(|s| w.text(&s.variable));
+    w.count(usize::from(is_numbered(plan)));
     w.numbers(&data.sigmas);
     w.count(checksum(data) as usize);
     w.0.into()
@@ -256,6 +258,10 @@ impl Worker {
         }
         for (signal, variable) in plan.signals.iter_mut().zip(variables) {
             signal.variable = variable;
+        }
+        // A diagnosis numbers the recordings of its plan.
+        if r.count()? == 1 && !is_numbered(plan) {
+            number_recordings(plan, data);
         }
         data.sigmas = r.numbers()?;
         Some((appended, experiment, r.count()? as u64))

@@ -29,6 +29,7 @@ pub mod plan_file;
 pub mod policy;
 pub mod problem;
 pub mod profile;
+pub mod recording_number;
 pub mod recording_run;
 pub mod residual_vector;
 pub mod result;

@@ -6,10 +6,9 @@
 //! alone.
 
 use crate::base::index::FastSet;
-use crate::base::source::Span;
 use crate::calibrate::data::{Data, Split};
-use crate::calibrate::plan::{Condition, Plan, RECORDING_NUMBER};
-use crate::calibrate::unit::Unit;
+use crate::calibrate::plan::{Plan, RECORDING_NUMBER};
+use crate::calibrate::recording_number;
 use crate::ir::expr::{Node, Type, VarId};
 use crate::ir::flat::{FlatModel, Variability};
 
@@ -88,22 +87,7 @@ pub fn number_recordings(flat: &FlatModel, plan: &mut Plan, data: &mut Data) {
     if is_taken || data.wholes(Split::Train).len() < ENOUGH_RECORDINGS {
         return;
     }
-    plan.conditions.push(Condition {
-        column: RECORDING_NUMBER.to_owned(),
-        parameter: RECORDING_NUMBER.to_owned(),
-        unit: Unit::of("1").unwrap_or(Unit::SECOND),
-        unit_name: "1".to_owned(),
-        span: Span::NONE,
-    });
-    let mut known: Vec<String> = Vec::new();
-    for recording in &mut data.recordings {
-        let position = known.iter().position(|of| *of == recording.of);
-        let number = position.unwrap_or_else(|| {
-            known.push(recording.of.clone());
-            known.len() - 1
-        });
-        recording.conditions.push((number + 1) as f64);
-    }
+    recording_number::number_recordings(plan, data);
 }
 
 /// The parameters that recordings set to different values.
