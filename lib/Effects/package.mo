@@ -24,8 +24,8 @@ package Effects "Physical effects that a model may lack"
   //   varies=factor         parameters of the model are multiplied by this variable of the effect, whose first input is
   //                         bound to each variable that they may vary with, of its unit if it has one
   //   adds=term             this variable of the effect is added to an equation of the model that determines the rate of a
-  //                         state or a measured variable. The inputs of the effect are bound to variables of the model of their units; an input
-  //                         without a unit, to any
+  //                         state or a measured variable. The inputs of the effect are bound to variables of the model of
+  //                         their units; an input without a unit, to any
   //   of=state              the input is bound to that state only; of a measured variable, to any
   //   acts=y                equations of the model read this variable of the effect in place of an input of the model, to
   //                         which the first input of the effect is bound
