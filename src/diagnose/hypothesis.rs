@@ -297,8 +297,9 @@ fn attach_one(
             // The output of a sensor effect is the signal now, so the amplitude acts through the signal.
             plan.free.push(Free { acts_on: None, ..free });
         }
-        for ((parameter, value), (_, starts)) in scored.shape.iter().zip(&effect.shape_parameters) {
-            if !is_fitted_shape(starts) {
+        for (parameter, value) in &scored.shape {
+            let own = effect.shape_parameters.iter().find(|(name, _)| name == parameter);
+            if !own.is_some_and(|(_, starts)| is_fitted_shape(starts)) {
                 continue;
             }
             let full = full_name(&component, parameter);
