@@ -40,7 +40,7 @@ impl EquationTerms {
         let is_flow =
             |v: &VarId| flat.ownership.is_flow.get(v.0 as usize).copied().unwrap_or(false);
         let is_own =
-            |e: &OpenEquation| e.span.file == flat.span.file && !e.reads.iter().any(|v| is_flow(v));
+            |e: &OpenEquation| e.span.file == flat.span.file && !e.reads.iter().any(is_flow);
         let named = |name: &str| flat.variables.enumerate().find(|(_, x)| x.name == name);
         let mut all: Vec<OpenEquation> = rate_equations(flat);
         // Beside states, the equation of a measured variable says how it is measured.

@@ -92,7 +92,10 @@ fn singular_complex_matrix_is_found() {
     re[51 * n..52 * n].fill(0.0);
     im[51 * n..52 * n].fill(0.0);
     assert_eq!(ComplexLu::new(n).factor(&re, &im), Err(Singular { column: 51 }));
+    (re, im) = (scatter(n * n, 7), scatter(n * n, 8));
     re[60] = f64::NAN;
+    assert!(ComplexLu::new(n).factor(&re, &im).is_err());
+    re[0] = f64::NAN;
     assert_eq!(ComplexLu::new(n).factor(&re, &im), Err(Singular { column: 0 }));
 }
 
@@ -112,19 +115,13 @@ fn complex_blocks_agree_with_plain_loops() {
     assert!(largest_difference(&a.0, &b.0).max(largest_difference(&a.1, &b.1)) < 1e-11);
 }
 
-/// A grid whose factors fill up is decomposed by blocks, a chain entry by entry; both solve what a dense
-/// decomposition solves.
+/// A full matrix is decomposed by blocks, a chain entry by entry; both solve what a dense decomposition solves.
 #[test]
 fn complex_sparse_solution_agrees_with_dense() {
-    for (width, height) in [(1, 80), (24, 24)] {
-        let n = width * height;
-        let mut entries = Vec::new();
-        for k in 0..n {
-            let next =
-                [(k % width + 1 < width).then_some(k + 1), (k + width < n).then_some(k + width)];
-            entries.push((k, k));
-            entries.extend(next.into_iter().flatten().flat_map(|j| [(k, j), (j, k)]));
-        }
+    for (n, reach) in [(80, 1), (160, 160)] {
+        let near = |j: usize| (0..n).filter(move |i| j.abs_diff(*i) <= reach);
+        let entries: Vec<(usize, usize)> =
+            (0..n).flat_map(|j| near(j).map(move |i| (i, j))).collect();
         let pattern = Pattern::from_entries(n, n, &entries);
         let (re, im) = (scatter(pattern.entries(), 9), scatter(pattern.entries(), 10));
         let values: Vec<Complex> = re.iter().zip(&im).map(|(x, y)| Complex::new(*x, *y)).collect();
@@ -144,7 +141,7 @@ fn complex_sparse_solution_agrees_with_dense() {
         // The second decomposition has the form that the first has chosen.
         for _ in 0..2 {
             sparse.factor(&values).unwrap();
-            assert_eq!(sparse.is_by_blocks(), width > 1);
+            assert_eq!(sparse.is_by_blocks(), reach > 1);
         }
         sparse.solve_in_place(&mut b);
         let size = x.iter().chain(&y).fold(1.0_f64, |m, x| m.max(x.abs()));
