@@ -1,6 +1,6 @@
 //! Finds the expressions of a function that are needed in one branch of an `if` only, so that code
-//! with jumps computes them only if the branch is taken. Selections by the same condition share their branches: what
-//! two outputs of a function need in the same region of a medium is computed in that region only.
+//! with jumps computes them only if the branch is taken. Selections by the same condition share their branches:
+//! expressions that two outputs of a function need in the same region of a medium are computed in that region only.
 
 use crate::base::index::FastMap;
 use crate::ir::expr::{Binary, ExprId, FunctionId, Graph, ListId, Node, Type, Unary};
@@ -103,7 +103,7 @@ impl Schedule {
     pub fn in_branch(&self, e: ExprId, holds: bool) -> &[ExprId] {
         let Some(branches) = self.branches.get(&e) else { return &[] };
         let all = &self.expressions[branches[usize::from(!holds)]];
-        // Later selections by the same condition may read what is not computed yet.
+        // The operands of later selections by the same condition may not be computed yet.
         &all[..all.partition_point(|n| *n < e)]
     }
 }

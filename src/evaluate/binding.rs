@@ -142,7 +142,7 @@ impl Evaluator<'_> {
             }
             at = parent;
         }
-        // What is said of an outer component comes from further outside than what is said of an inner one.
+        // Modifications of an outer component come from further outside than those of an inner one.
         for (holder, depth) in around.into_iter().rev() {
             for layer in self.instances[holder].layers.iter() {
                 if binds_below(layer, &path[..depth]) {

@@ -2,8 +2,8 @@
 //!
 //! *In:* an over-determined part of the initialization problem. *Out:* whether the equations that
 //! are left over hold: for all values of the parameters if they vanish symbolically, else to
-//! tolerance at the values that are known at compile time. What cannot be solved one after the other
-//! is consistent if it is linear and one equation is a combination of the others.
+//! tolerance at the values that are known at compile time. Equations that cannot be solved one after
+//! the other are consistent if they are linear and one of them is a combination of the others.
 
 use super::incidence::EquationSystem;
 use super::linear_dependence;

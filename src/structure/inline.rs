@@ -1,6 +1,6 @@
 //! The last decision about calls: an equation that must be differentiated gets the bodies of the functions
 //! that it calls. Loops and functions that call themselves stay, since they have no formula, and so do large
-//! functions, of which a call computes only what the branches taken need.
+//! functions, of which a call computes only the branches that are taken.
 
 use crate::base::index::{FastMap, Id};
 use crate::base::source::Span;

@@ -3,7 +3,7 @@
 //! *In:* residuals that are linear in some unknowns, one more than unknowns. *Out:* whether one equation is a
 //! combination of the others, so that it may be left out. The currents of lines in series that all start at rest are
 //! such: each start follows from the others. Everything else that the equations read has the values of the parameters,
-//! or any: what holds there holds in general.
+//! or any: a dependence there is one in general.
 
 use super::parameter_values::ParameterValues;
 use crate::base::index::FastMap;
@@ -12,7 +12,7 @@ use crate::numeric::null_space::NullSpace;
 
 /// Larger systems are reported instead.
 const MAX_ORDER: usize = 400;
-/// What the equations may contradict each other by, relative to the sizes of their terms.
+/// Tolerated contradiction of the equations, relative to the sizes of their terms.
 const TOLERANCE: f64 = 1e-6;
 
 /// True if the residuals determine all unknowns and vanish together. The residual that is to be left out, if it is one

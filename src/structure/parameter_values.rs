@@ -76,7 +76,7 @@ impl ParameterValues {
     }
 
     /// The value of an expression at the values of the parameters and some values of everything
-    /// else: what vanishes there vanishes in general. Variables in `zero` are 0.
+    /// else: expressions that vanish there vanish in general. Variables in `zero` are 0.
     pub fn sample(&self, graph: &Graph, root: ExprId, zero: impl Fn(VarId) -> bool) -> f64 {
         // Fractions of the golden ratio are far from all simple relations.
         let any = |k: usize| 0.5 + (k as f64 * 0.618_033_988_749_894_9).fract();

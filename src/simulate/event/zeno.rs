@@ -235,8 +235,8 @@ impl Simulation<'_, '_> {
         Err(Failure::numerics(time, diagnostic))
     }
 
-    /// False if a relation may keep its value, because what turned the solution back needs more than that, which does
-    /// not hold: a limiter with `when x > max and der(x) < 0` leaves its limit for good when `x` is below.
+    /// False if a relation may keep its value, because the condition that turned the solution back needs more than
+    /// that and does not hold: a limiter with `when x > max and der(x) < 0` leaves its limit for good when `x` is below.
     fn is_still_due(&self, relation: u32) -> bool {
         let dae = &self.program.blocks.dae;
         let reinits = dae.reinits.iter();
