@@ -127,36 +127,14 @@ fn try_strategies<'p, T>(
 /// Solves the initial sequence. The Gauss-Seidel strategy sets `pre(v) = v` unless `v` is fixed
 /// (Modelica specification 3.6, section 8.6).
 pub fn solve_initial(machine: &mut Machine<'_>) -> Result<(), EventError> {
-    let before = machine.snapshot();
-    let mut outcome = try_initial(machine);
-    if matches!(outcome, Err(EventError::Fault(Fault::Assertion { .. }))) {
-        // Assertions of functions have to hold at the solution, not on the way to it.
-        let saved = machine.save_fault();
-        machine.memory.copy_from_slice(&before);
-        machine.ignores_assertions = true;
-        let found = try_initial(machine);
-        machine.ignores_assertions = false;
-        let found = found.and_then(|()| try_initial(machine));
-        match found {
-            Ok(()) => {
-                machine.discard_fault(saved);
-                outcome = found;
-            }
-            Err(_) => machine.restore_fault(saved),
-        }
-    }
-    machine.recycle(before);
+    let (tape, lagged) = initial_sequence(machine);
+    let outcome = try_strategies(machine, true, |machine, strategy| match strategy {
+        Strategy::GaussSeidel => initial_gauss_seidel(machine),
+        _ => solve_relations(machine, tape, lagged, strategy == Strategy::Enumerate),
+    });
     // Events are about other relations.
     machine.relation_solutions.clear();
     outcome
-}
-
-fn try_initial(machine: &mut Machine<'_>) -> Result<(), EventError> {
-    let (tape, lagged) = initial_sequence(machine);
-    try_strategies(machine, true, |machine, strategy| match strategy {
-        Strategy::GaussSeidel => initial_gauss_seidel(machine),
-        _ => solve_relations(machine, tape, lagged, strategy == Strategy::Enumerate),
-    })
 }
 
 /// The initial sequence in use, and the relations that it reads before it can evaluate them.
