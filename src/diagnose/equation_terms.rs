@@ -70,7 +70,8 @@ impl EquationTerms {
             let place = |names: &[&str]| {
                 let binds = inputs.iter().zip(names);
                 let binds = binds.map(|(i, v)| ((*i).to_owned(), (*v).to_owned())).collect();
-                Place { binds, ..Place::at(std::slice::from_ref(&equation.name)) }
+                let is_explicit = equation.state.is_none();
+                Place { binds, is_explicit, ..Place::at(std::slice::from_ref(&equation.name)) }
             };
             match inputs.as_slice() {
                 [] => out.push(place(&[])),

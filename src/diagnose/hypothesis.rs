@@ -287,7 +287,7 @@ fn attach_one(
         let starts = &scored.amplitudes[j * effect.amplitudes.len()..];
         for (a, start) in effect.amplitudes.iter().zip(starts) {
             let full = full_name(&component, &a.name);
-            let (start, min) = match a.positive && !place.is_of_variable(effect) {
+            let (start, min) = match a.positive && !place.is_explicit {
                 true if *start > 0.0 => (*start, Some(0.0)),
                 true => (0.0, Some(0.0)),
                 false => (*start, None),

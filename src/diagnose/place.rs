@@ -21,6 +21,8 @@ pub struct Place {
     pub binds: Vec<(String, String)>,
     /// The signal that it modifies, by position in the plan.
     pub signal: Option<usize>,
+    /// Of a term: its equation is solved for a variable, so that its sign says nothing.
+    pub is_explicit: bool,
     /// Further hosts of the same effect: one phenomenon at several places.
     pub others: Vec<Place>,
 }
@@ -34,13 +36,9 @@ impl Place {
             adapters: Vec::new(),
             binds: Vec::new(),
             signal: None,
+            is_explicit: false,
             others: Vec::new(),
         }
-    }
-
-    /// True for a term in the equation of a variable, whose sign says nothing.
-    pub fn is_of_variable(&self, effect: &Effect) -> bool {
-        effect.adds.is_some() && !self.at.iter().any(|at| at.starts_with("der("))
     }
 
     /// The single places.
@@ -133,12 +131,9 @@ pub fn why_nowhere(effect: &Effect, inventory: &Inventory) -> String {
 
 fn signals(plan: &Plan) -> Vec<Place> {
     let place = |(k, s): (usize, &crate::calibrate::plan::Signal)| Place {
-        at: vec![s.column.clone()],
-        connections: Vec::new(),
-        adapters: Vec::new(),
         binds: vec![("u".to_owned(), s.variable.clone())],
         signal: Some(k),
-        others: Vec::new(),
+        ..Place::at(std::slice::from_ref(&s.column))
     };
     plan.signals.iter().enumerate().map(place).collect()
 }
@@ -154,14 +149,8 @@ fn inputs(effect: &Effect, plan: &Plan) -> Vec<Place> {
 }
 
 fn built_in(effect: &Effect, part: &InventoryPart) -> Option<Place> {
-    (part.class == effect.class && !is_element(part)).then(|| Place {
-        at: vec![part.name.clone()],
-        connections: Vec::new(),
-        adapters: Vec::new(),
-        binds: Vec::new(),
-        signal: None,
-        others: Vec::new(),
-    })
+    let fits = part.class == effect.class && !is_element(part);
+    fits.then(|| Place::at(std::slice::from_ref(&part.name)))
 }
 
 fn hosted(effect: &Effect, part: &InventoryPart, variables: &FastSet<&str>) -> Option<Place> {
@@ -180,9 +169,7 @@ fn hosted(effect: &Effect, part: &InventoryPart, variables: &FastSet<&str>) -> O
         let full = choices.iter().map(|c| format!("{}.{c}", part.name));
         binds.push((input.clone(), full.into_iter().find(|v| variables.contains(v.as_str()))?));
     }
-    let at = vec![part.name.clone()];
-    let adapters = Vec::new();
-    Some(Place { at, connections, adapters, binds, signal: None, others: Vec::new() })
+    Some(Place { connections, binds, ..Place::at(std::slice::from_ref(&part.name)) })
 }
 
 /// True for an element of an array of components.
@@ -258,12 +245,9 @@ fn attached<const N: usize>(
         format!("{}.{}", part.name, other.name)
     };
     Place {
-        at: vec![at.name.clone()],
         connections: ends.iter().map(|(own, end)| (own.name.clone(), path(*end))).collect(),
         adapters: ends.iter().filter_map(|(own, end)| adapter(own, end.1, path(*end))).collect(),
-        binds: Vec::new(),
-        signal: None,
-        others: Vec::new(),
+        ..Place::at(std::slice::from_ref(&at.name))
     }
 }
 

@@ -99,8 +99,6 @@ pub struct Machine<'p> {
     pub starts_by_states: bool,
     /// Clamps the arguments of functions to their domain.
     pub clamp_domain: bool,
-    /// Goes on where an assertion in a function is violated, as an iteration does that begins where none holds.
-    pub ignores_assertions: bool,
     /// Executes mixed blocks once instead of iterating them, and solves inconsistent linear
     /// equations in the least-squares sense: intermediate steps of a search for consistent values.
     pub relaxed: bool,
@@ -151,7 +149,6 @@ impl<'p> Machine<'p> {
             branch_switch: true,
             starts_by_states: false,
             clamp_domain: false,
-            ignores_assertions: false,
             relaxed: false,
             still_changing: false,
             undetermined: None,
@@ -301,9 +298,7 @@ impl<'p> Machine<'p> {
             return self.interpret::<true>(tape);
         }
         match tape.number {
-            Some(number) if !self.ignores_assertions && self.is_compiled(tape.len()) => {
-                self.run_machine_code(number)
-            }
+            Some(number) if self.is_compiled(tape.len()) => self.run_machine_code(number),
             _ => self.interpret::<false>(tape),
         }
     }
@@ -457,8 +452,7 @@ impl<'p> Machine<'p> {
 
     /// True if the last call had the same arguments, so its results are still valid.
     fn is_memoized(&self, site: &CallSite) -> bool {
-        let is_exact = !self.clamp_domain && !self.ignores_assertions;
-        let Some(last) = site.memo.filter(|_| is_exact) else { return false };
+        let Some(last) = site.memo.filter(|_| !self.clamp_domain) else { return false };
         let copy = &self.memory[last as usize..][..site.args.len()];
         copy.iter().zip(&site.args).all(|(k, a)| k.to_bits() == self.memory[*a as usize].to_bits())
     }
@@ -468,8 +462,8 @@ impl<'p> Machine<'p> {
         for (k, arg) in site.args.iter().enumerate() {
             self.memory[last as usize + k] = self.memory[*arg as usize];
         }
-        if self.clamp_domain || self.ignores_assertions {
-            // Such results must not be reused.
+        if self.clamp_domain {
+            // Results of clamped arguments must not be reused.
             self.memory[last as usize] = f64::NAN;
         }
     }
@@ -517,7 +511,7 @@ impl<'p> Machine<'p> {
                 Op::JumpUnless if self.memory[i.a as usize] == 0.0 => at = i.b as usize,
                 Op::JumpUnless => {}
                 Op::Assert => {
-                    if self.memory[i.a as usize] == 0.0 && !self.ignores_assertions {
+                    if self.memory[i.a as usize] == 0.0 {
                         let message = i.b as usize;
                         return Err(self.fail(Fault::Assertion { function, message }));
                     }

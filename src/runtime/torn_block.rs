@@ -100,21 +100,7 @@ impl TornBlockSolver {
                 let bounds = bounded.then_some(&self.bounds[..]);
                 let region = Region { nominal: &self.nominal, bounds };
                 let mut equations = BlockEquations { machine, torn_block: k, fault: None };
-                let mut ending = iterate(newton, &mut equations, &mut self.z, region);
-                let failed = equations.fault;
-                let may_go_on = !equations.machine.ignores_assertions
-                    && matches!(failed, Some(Fault::Assertion { .. }));
-                if !is_solved(ending) && may_go_on {
-                    // Assertions of functions have to hold at the solution, not on the way to it.
-                    self.z.copy_from_slice(&self.start);
-                    equations.machine.ignores_assertions = true;
-                    let second = iterate(newton, &mut equations, &mut self.z, region);
-                    equations.machine.ignores_assertions = false;
-                    match is_solved(second) {
-                        true => ending = second,
-                        false => equations.fault = failed,
-                    }
-                }
+                let ending = iterate(newton, &mut equations, &mut self.z, region);
                 if let NewtonOutcome::Converged { undetermined: Some(unknown), .. } = ending {
                     equations.machine.undetermined.get_or_insert((k, unknown));
                 }
