@@ -8,6 +8,7 @@ use crate::numeric::least_squares;
 
 use super::hypothesis::{ChosenEffect, Hypothesis, attach};
 use super::place::Place;
+use super::policy::SearchPolicy;
 use super::preference::{ends_with_curve, ends_with_sensor, sort_by_preference};
 use super::rank::Scored;
 use super::regrid::regridded;
@@ -101,13 +102,10 @@ impl CandidateFits<'_> {
                 false => hopeless,
             };
             let short = &mut |p: &mut Problem<'_>, start: &[f64]| {
-                p.trimmed = p.surplus(policy.score_instants);
                 let is_hopeless =
                     |step: u32, cost: f64| step >= STEPS_BEFORE_GIVING_UP && cost > limit;
                 let on_step = &mut |step, cost| self.search.on_step() && !is_hopeless(step, cost);
-                let fit = local_search(p, start, &policy.short_fit, on_step);
-                p.trimmed = Vec::new();
-                fit
+                trimmed_fit(p, start, policy, on_step)
             };
             let mut fitted = self.fitted(effects.clone(), plan.clone(), short);
             let nothing_yet = self.from.effects.is_empty();
@@ -370,6 +368,29 @@ impl CandidateFits<'_> {
     fn explains_most(&self, hypothesis: &Hypothesis) -> bool {
         let excess = self.from.chi2_train() - 1.0;
         hypothesis.chi2_train() - 1.0 < self.search.policy().most_share * excess
+    }
+}
+
+/// A short fit to some of the training recordings if they are long; to all of them if those left out are then described
+/// worse than at the start, as where they alone determine a part of a curve.
+fn trimmed_fit(
+    problem: &mut Problem<'_>,
+    start: &[f64],
+    policy: &SearchPolicy,
+    on_step: &mut dyn FnMut(u32, f64) -> bool,
+) -> Option<Fit> {
+    problem.trimmed = problem.surplus(policy.score_instants);
+    let is_trimmed = !problem.trimmed.is_empty();
+    let fit = local_search(problem, start, &policy.short_fit, on_step);
+    problem.trimmed = Vec::new();
+    let cost = |problem: &mut Problem<'_>, x: &[f64]| {
+        least_squares::Residuals::cost(problem, x).unwrap_or(f64::INFINITY)
+    };
+    match fit {
+        Some(fit) if is_trimmed && cost(problem, &fit.x) > cost(problem, start) => {
+            local_search(problem, start, &policy.short_fit, on_step)
+        }
+        fit => fit,
     }
 }
 

@@ -42,6 +42,7 @@ fn swap_step(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         let done = diagnosis.after.is_resolved(search.policy()) || !search.may_continue();
         let own = groups(&diagnosis.after.effects).nth(k);
         let Some(own) = own.filter(|_| number > 1 && !done) else { return };
+        let own = own.to_vec();
         let names: Vec<String> = own.iter().map(|c| c.name.clone()).collect();
         // Where a fit costs little, the scores beside the rest are those at its own parameters.
         let rest_fit = &mut |p: &mut Problem<'_>| match search.generosity() {
@@ -63,7 +64,18 @@ fn swap_step(search: &Search<'_>, diagnosis: &mut Diagnosis) {
             depth: number - 1,
             give_up_above: None,
         };
-        if accept_first_better(search, diagnosis, fits.run()) {
+        let hypotheses = fits.run();
+        // A curve or a parameter that varies follows what any law leaves: one has to leave much less to replace a name.
+        let is_named = own.iter().all(|c| search.study.is_named(c.effect));
+        let excess = |h: &Hypothesis| h.chi2_train() - 1.0;
+        let most = (1.0 - search.policy().explained_share) * excess(&diagnosis.after);
+        let new =
+            |h: &Hypothesis| h.effects.last().is_some_and(|c| search.study.is_named(c.effect));
+        let (admitted, vague): (Vec<_>, Vec<_>) =
+            hypotheses.into_iter().partition(|h| !is_named || new(h) || excess(h) < most);
+        let is_better = accept_first_better(search, diagnosis, admitted);
+        diagnosis.rejected.extend(vague);
+        if is_better {
             return;
         }
     }

@@ -127,6 +127,12 @@ impl<'a> Search<'a> {
         if after.effects.is_empty() || !is_further || !self.leads(&diagnosis.before, after) {
             return true;
         }
+        // Where even pairs leave much, no form of the first law explains it.
+        let policy = self.policy();
+        let are_many = groups(&after.effects).count() >= policy.usual_effects;
+        if are_many && after.chi2_train() > policy.explained_limit {
+            return true;
+        }
         let left = (1.0 - self.policy().second_share) * (after.chi2_train() - 1.0);
         let limit = self.policy().train_limit(after.train.count());
         extended.chi2_train() < limit.max(1.0 + left)

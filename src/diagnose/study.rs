@@ -171,6 +171,12 @@ impl Study {
         self.effects[effect].amplitudes.len() >= self.policy.curve_amplitudes
     }
 
+    /// True for a law with a name: neither a curve nor a product, nor a parameter that varies.
+    pub fn is_named(&self, effect: usize) -> bool {
+        let own = &self.effects[effect];
+        !self.is_curve(effect) && own.varies.is_none() && !own.is_product()
+    }
+
     /// Compiles the model with effects attached; the program records the signals of the plan and `others`.
     pub fn compile(
         &self,
