@@ -81,6 +81,7 @@ impl CandidateFits<'_> {
         let mut hypotheses: Vec<Hypothesis> = Vec::new();
         let (left, mut least_gain) = (self.from.train.total(), f64::NEG_INFINITY);
         let (study, mut variation_resolves) = (self.search.study, false);
+        let mut resolving_gain: f64 = 0.0;
         let mut hopeless = self.give_up_above.unwrap_or(f64::INFINITY);
         for proposal in self.proposals {
             if !self.search.may_continue() {
@@ -88,7 +89,11 @@ impl CandidateFits<'_> {
             }
             let gain = proposal.first().map_or(0.0, |s| s.gain);
             let varies = proposal.iter().any(|s| study.effects[s.effect].varies.is_some());
-            if proposal.len() > 1 && gain < least_gain || varies && variation_resolves {
+            let promises_less = gain < policy.alternative_share * resolving_gain;
+            if proposal.len() > 1 && gain < least_gain
+                || varies && variation_resolves
+                || promises_less
+            {
                 continue;
             }
             if !self.search.is_new(self.from, proposal) {
@@ -109,7 +114,8 @@ impl CandidateFits<'_> {
             };
             let mut fitted = self.fitted(effects.clone(), plan.clone(), short);
             let nothing_yet = self.from.effects.is_empty();
-            if nothing_yet && self.from.chi2_train() > policy.large_effect_above {
+            let is_close = fitted.as_ref().is_some_and(|h| self.search.leads(self.from, h));
+            if nothing_yet && !is_close && self.from.chi2_train() > policy.large_effect_above {
                 let from_plan = self.fitted(effects, self.with_planned_starts(&plan), short);
                 let cost =
                     |h: &Option<Hypothesis>| h.as_ref().map_or(f64::INFINITY, |h| h.train.total());
@@ -127,6 +133,11 @@ impl CandidateFits<'_> {
                 let fitted = leads.unwrap_or(fitted);
                 if fitted.explains_training(policy) {
                     least_gain = least_gain.max(gain - policy.pair_margin * left);
+                }
+                // Another effect that explains as much as a sensor promises about as much.
+                let is_of_sensor = ends_with_sensor(&fitted) && !ends_with_curve(study, &fitted);
+                if is_of_sensor && fitted.is_resolved(policy) {
+                    resolving_gain = resolving_gain.max(gain);
                 }
                 let resolves = self.resolves(&fitted);
                 hypotheses.push(fitted);
