@@ -542,6 +542,9 @@ impl ClassGraph<'_> {
                     && !self.identical(before, entry, modified)
                 {
                     let (before, entry) = (before.clone(), entry.clone());
+                    if self.differ_in_attributes(&before, &entry) {
+                        continue;
+                    }
                     match self.narrower(&before, &entry) {
                         Some(Narrower::Before) => {}
                         Some(Narrower::Later) => table.entries[at] = Entry { layers: all, ..entry },
@@ -594,12 +597,43 @@ impl ClassGraph<'_> {
         } else {
             // An inherited element that is declared again must be identical (section 7.3 of the
             // specification); the new declaration is kept.
-            if !self.identical(&table.entries[at], &entry, false) {
+            if !self.identical(&table.entries[at], &entry, false)
+                && !self.differ_in_attributes(&table.entries[at], &entry)
+            {
                 self.report_inherited_duplicate(&entry, &table.entries[at].name);
             }
             let component = table.entries[at].component;
             table.entries[at] = Entry { component, ..entry };
         }
+    }
+
+    /// Whether two components of one name are variables of one predefined type with the same value:
+    /// they differ in nothing but attributes, such as a unit. The specification requires them to be
+    /// identical (section 7.1), but libraries declare a variable again to give it a unit.
+    fn differ_in_attributes(&mut self, a: &Entry, b: &Entry) -> bool {
+        let (EntryKind::Component(of_a), EntryKind::Component(of_b)) = (&a.kind, &b.kind) else {
+            return false;
+        };
+        let values = [of_a, of_b].map(|declaration| {
+            let modification = declaration.component().modification.as_ref()?;
+            let text = self.sources.text(modification.binding.as_ref()?.span)?;
+            Some(text.split_whitespace().collect::<String>())
+        });
+        let mut scalar = |entry: &Entry| {
+            let EntryKind::Component(declaration) = &entry.kind else { return None };
+            let scope = Scope { instance: self.classes[entry.class].holder, class: entry.class };
+            let class = self.find_class(&declaration.clause().type_name, scope)?;
+            if self.table_in_progress(class) {
+                return None;
+            }
+            self.table(class).scalar
+        };
+        let rank = |d: &Declaration| d.clause().type_dims.len() + d.component().dims.len();
+        of_a.clause().prefix == of_b.clause().prefix
+            && rank(of_a) == 0
+            && rank(of_b) == 0
+            && values[0] == values[1]
+            && scalar(a).is_some_and(|ty| scalar(b) == Some(ty))
     }
 
     /// The narrower one of two replaceable short classes of one name, if one of them derives from

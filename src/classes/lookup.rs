@@ -145,7 +145,7 @@ impl ClassGraph<'_> {
     /// The class `wanted` in a file of its own in the folder of the package `class` or of one of its
     /// bases, and the package that has the folder. Tables do not list these classes, because files
     /// are read when one of their classes is needed.
-    fn class_in_file(
+    pub(crate) fn class_in_file(
         &mut self,
         class: ClassId,
         wanted: Name,

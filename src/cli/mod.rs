@@ -30,6 +30,7 @@ pub mod linearize;
 pub mod lsp;
 pub mod new;
 pub mod optimize;
+mod other_means;
 pub mod plan;
 pub mod plot;
 pub mod progress;

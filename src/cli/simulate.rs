@@ -10,7 +10,9 @@ use super::run_summary::summary_json;
 use super::standard::real_path;
 use super::start_text::Start;
 use super::stream::{OtherUnit, Stream, drawable};
-use super::{Status, fmu_host, interrupt, print, print_file, running, say, standard, style};
+use super::{
+    Status, fmu_host, interrupt, other_means, print, print_file, running, say, standard, style,
+};
 use crate::base::diag::did_you_mean;
 use crate::base::render::render;
 use crate::base::source::SourceMap;
@@ -26,7 +28,7 @@ use crate::report::plot;
 use crate::report::plot::choice::default_figure;
 use crate::report::plot::figure::panels_for;
 use crate::runtime::machine::Machine;
-use crate::simulate::columns::{column_storage, columns};
+use crate::simulate::columns::{column_storage, columns as columns_of};
 use crate::simulate::initialization::initialise;
 use crate::simulate::run::{Run, simulate_to};
 use crate::simulate::settings::Settings;
@@ -66,7 +68,7 @@ pub fn run(options: &Simulate) -> Status {
         running::settings(&options.running, &options.model, &program.blocks.dae.experiment);
     settings.most_ticks = options.max_events;
     let files = Files::of(options, &program);
-    let columns = &columns(&program)[..shown(&program, measures.as_ref())];
+    let columns = &columns_of(&program)[..shown(&program, measures.as_ref())];
     let mut stream = match files.stream(options, &program, columns) {
         Ok(stream) => stream,
         Err(why) => {
@@ -102,7 +104,24 @@ pub fn run(options: &Simulate) -> Status {
     stream.hide();
     let (statistics, values) = match outcome {
         Ok(ended) => ended,
-        Err(failure) => return running::failed(&failure, &session.sources),
+        Err(failure) => {
+            let begin = |program: &Program| {
+                let columns = &columns_of(program)[..shown(program, None)];
+                files.stream(options, program, columns).ok()
+            };
+            let compiled = (&program, &session.sources);
+            let other = measures
+                .is_none()
+                .then(|| other_means::run(options, compiled, &settings, &failure, &begin));
+            let Some(other) = other.flatten() else {
+                return running::failed(&failure, &session.sources);
+            };
+            stream = other.stream;
+            if let Some(compiled) = other.compiled {
+                (session, program) = compiled;
+            }
+            (other.statistics, Vec::new())
+        }
     };
     for warning in &statistics.warnings {
         eprintln!("{}\n", render(warning, &session.sources, style()));

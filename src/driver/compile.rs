@@ -34,6 +34,8 @@ use crate::ir::modification::ParameterOverride;
 use crate::ir::program::{Continuation, Program, SystemForm};
 use crate::resolve::library::Library;
 use crate::structure::error::StructureCause;
+use crate::structure::initial::StartTearing;
+use crate::structure::structure_with;
 use crate::verify;
 
 /// What to compile.
@@ -105,6 +107,8 @@ pub struct Session {
     pub problems: Problems,
     /// Parameters get other values run by run, so equations may be singular at the declared ones.
     pub parameters_vary: bool,
+    /// Where loops of the initialization are torn.
+    pub start_tearing: StartTearing,
     /// The process ends after this request, so large structures are leaked instead of freed.
     pub is_last: bool,
     /// How long each stage took, in order.
@@ -226,7 +230,8 @@ impl Session {
         }
         let begun = Instant::now();
         activity::note("finding the states and blocks of the model".to_owned());
-        let blocks = dae.and_then(|dae| crate::structure::structure(dae, &mut self.problems));
+        let tearing = self.start_tearing;
+        let blocks = dae.and_then(|dae| structure_with(dae, tearing, &mut self.problems));
         if self.parameters_vary {
             self.problems.remove_errors(|cause: &StructureCause| {
                 matches!(cause, StructureCause::DependentLinearEquations { .. })
@@ -284,7 +289,9 @@ impl Session {
         let between = crate::lower::homotopy::homotopy_model(&flat);
         let blocks = self.sort(flat)?;
         let mut program = self.generate_as(blocks, form)?;
-        program.continuation = between.and_then(|flat| continuation(flat, &program)).map(Box::new);
+        let tearing = self.start_tearing;
+        program.continuation =
+            between.and_then(|flat| continuation(flat, &program, tearing)).map(Box::new);
         self.attach_foreign(&mut program);
         Ok(program)
     }
@@ -343,10 +350,10 @@ impl Session {
 
 /// The homotopy from simplified equations to the initial values of `program`. If it cannot be compiled,
 /// the model is initialised without it.
-fn continuation(flat: FlatModel, program: &Program) -> Option<Continuation> {
+fn continuation(flat: FlatModel, program: &Program, tearing: StartTearing) -> Option<Continuation> {
     let mut quiet = Problems::new();
     let dae = crate::lower::lower(flat, &mut quiet)?;
-    let blocks = crate::structure::structure(dae, &mut quiet)?;
+    let blocks = structure_with(dae, tearing, &mut quiet)?;
     let between = crate::codegen::compile(blocks).ok()?;
     let by_name: FastMap<&str, VarId> =
         between.blocks.dae.variables.enumerate().map(|(v, x)| (x.name.as_str(), v)).collect();

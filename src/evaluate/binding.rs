@@ -108,6 +108,9 @@ impl Evaluator<'_> {
         match self.instances[parent].kind {
             InstanceKind::Object(_) => {
                 let name = self.instances[id].name;
+                if let Some(field) = self.field_referred_to(parent, name) {
+                    return self.instance_value(field, self.declared_at(id));
+                }
                 self.binding_value(parent)?.field(name)
             }
             InstanceKind::Array { .. } => {

@@ -191,7 +191,11 @@ impl Evaluator<'_> {
         scope: Scope,
         span: Span,
     ) -> Option<Value> {
-        let all = self.comprehension(body, iterators, scope)?;
+        let iterators = &self.with_ranges(iterators, Body::Expression(body), scope)?[..];
+        if let Some(sum) = self.reduction_at_run_time(function, body, iterators, scope, span)? {
+            return Some(sum);
+        }
+        let all = self.comprehend(body, iterators, scope)?;
         match function.simple().as_ref().map(|n| n.as_str()) {
             Some("array") => Some(all),
             Some("sum") if all.dims().len() > iterators.len() => {

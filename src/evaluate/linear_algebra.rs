@@ -1,4 +1,5 @@
-//! The functions of LAPACK that solve linear systems: `dgesv`, and `dgelsy` of full rank.
+//! The functions of LAPACK that solve linear systems: `dgesv`, and `dgelsy` of full rank, whose
+//! solution is the shortest one where there are fewer equations than unknowns.
 //!
 //! They are computed on expressions, so that the matrix may hold parameters and variables: known
 //! numbers fold to numbers. Gaussian elimination with partial pivoting and Householder's QR
@@ -65,7 +66,7 @@ impl Evaluator<'_> {
         }
         if called == "dgelsy" {
             if m < n {
-                return Err(Refusal::Wrong("it has fewer equations than unknowns".into()));
+                return self.shortest_solution(&rows, &right, b);
             }
             triangularize(&mut self.graph, &mut rows, &mut right);
         } else {
@@ -76,6 +77,45 @@ impl Evaluator<'_> {
         }
         let elements = right.into_iter().flatten().map(Value::Scalar).collect();
         Ok((Value::array(b.dims().to_vec(), elements), n))
+    }
+
+    /// The solution of least length of a system with fewer equations than unknowns, which takes as
+    /// many rows of the right side as there are unknowns, and the rank of the matrix. From the
+    /// decomposition of the transposed matrix (Golub & Van Loan, section 5.6.2).
+    fn shortest_solution(
+        &mut self,
+        a: &Matrix,
+        b: &Matrix,
+        shape: &Value,
+    ) -> Result<(Value, usize), Refusal> {
+        let (m, n) = (a.len(), a.first().map_or(0, Vec::len));
+        let g = &mut self.class_graph.graph;
+        let mut transposed: Matrix = (0..n).map(|j| a.iter().map(|row| row[j]).collect()).collect();
+        let (zero, one) = (g.real(0.0), g.real(1.0));
+        let unit = |i: usize| (0..n).map(move |j| if i == j { one } else { zero });
+        let mut reflected: Matrix = (0..n).map(|i| unit(i).collect()).collect();
+        triangularize(g, &mut transposed, &mut reflected);
+        let width = b.first().map_or(0, Vec::len);
+        let mut solution = vec![vec![zero; width]; n];
+        for j in 0..width {
+            let mut along: Vec<ExprId> = Vec::with_capacity(m);
+            for i in 0..m {
+                if g.as_number(transposed[i][i]) == Some(0.0) {
+                    return Err(Refusal::Wrong("the matrix is singular".into()));
+                }
+                let known: Vec<ExprId> =
+                    (0..i).map(|k| g.mul(transposed[k][i], along[k])).collect();
+                let known = if known.is_empty() { zero } else { g.sum(known) };
+                let rest = g.sub(b[i][j], known);
+                along.push(g.div(rest, transposed[i][i]));
+            }
+            for (i, row) in solution.iter_mut().enumerate() {
+                let terms: Vec<ExprId> = (0..m).map(|k| g.mul(reflected[k][i], along[k])).collect();
+                row[j] = g.sum(terms);
+            }
+        }
+        let elements = solution.into_iter().flatten().map(Value::Scalar).collect();
+        Ok((Value::array(shape.dims().to_vec(), elements), m))
     }
 
     /// A matrix, or a vector as one column.

@@ -1,5 +1,5 @@
-//! The functions of LAPACK that work on the factors of a matrix, `dgetrf`, `dgetrs` and `dgetri`, and `dgeev`, which
-//! finds its eigenvalues and eigenvectors.
+//! The functions of LAPACK that work on the factors of a matrix, `dgetrf`, `dgetrs` and `dgetri`, and those that find
+//! its eigenvalues, `dgeev`, with eigenvectors, and `dhseqr`.
 //!
 //! They are computed on numbers, which must be known before simulation, because the pivots are
 //! integers. Golub & Van Loan, *Matrix Computations*, 4th ed., section 3.4.
@@ -34,6 +34,9 @@ impl Evaluator<'_> {
             "dgetrf" => self.factorize(local(2)?, local(4)?, local(5)?),
             "dgetri" => self.invert(local(1)?, local(3)?, local(6)?),
             "dgeev" => self.eigenvalues_of(external),
+            "dhseqr" if self.wants_eigenvalues_only(local(0)?) => {
+                self.eigenvalues_of_hessenberg(local(5)?, [local(7)?, local(8)?], local(13)?)
+            }
             "dgetrs" => self.solve_by_factors(local(3)?, local(5)?, local(6)?, local(8)?),
             _ => return None,
         })
@@ -127,6 +130,35 @@ impl Evaluator<'_> {
         }
         results.push((local(13)?, Value::Scalar(self.graph.integer(0))));
         Ok(results)
+    }
+
+    /// Whether the job of `dhseqr` is `E`: the Schur form is not asked for.
+    fn wants_eigenvalues_only(&self, job: Name) -> bool {
+        let job = self.local(job).and_then(|value| value.scalar());
+        matches!(job.and_then(|e| self.graph.as_const(e)),
+            Some(Const::String(text)) if text == "E")
+    }
+
+    /// `dhseqr`: the real and imaginary parts of the eigenvalues of a Hessenberg matrix.
+    fn eigenvalues_of_hessenberg(
+        &mut self,
+        matrix: Name,
+        parts: [Name; 2],
+        info: Name,
+    ) -> Result<Vec<(Name, Value)>, Refusal> {
+        let a = self.numbers_of(matrix)?;
+        let n = a.rows;
+        if n != a.columns {
+            return Err(Refusal::Wrong("the matrix is not square".into()));
+        }
+        let columns: Vec<f64> = (0..n * n).map(|k| a.at[k % n * n + k / n]).collect();
+        let values = eigenvalues(n, &columns).ok_or_else(|| {
+            Refusal::Wrong("the iteration for the eigenvalues does not converge".into())
+        })?;
+        let [real, imaginary] = [|v: &Complex| v.re, |v: &Complex| v.im]
+            .map(|part| Value::vector(values.iter().map(|v| self.graph.real(part(v))).collect()));
+        let zero = Value::Scalar(self.graph.integer(0));
+        Ok(vec![(parts[0], real), (parts[1], imaginary), (info, zero)])
     }
 
     fn numbers_of(&mut self, local: Name) -> Result<Numbers, Refusal> {

@@ -159,7 +159,7 @@ impl Evaluator<'_> {
 
     /// The component of the current instance that a name in `scope.class` refers to: elements that
     /// a derived class adds are not visible in it (section 7.1).
-    fn visible(&mut self, scope: Scope, wanted: Name) -> Option<InstanceId> {
+    pub(super) fn visible(&mut self, scope: Scope, wanted: Name) -> Option<InstanceId> {
         let id = self.child(scope.instance, wanted)?;
         let own = self.instances[scope.instance].class;
         if own.is_none_or(|own| own == scope.class) || self.table_in_progress(scope.class) {

@@ -35,9 +35,9 @@ pub struct Loops {
 }
 
 /// A range whose bounds are known only at run time.
-struct Range {
-    start: ExprId,
-    step: ExprId,
+pub(super) struct Range {
+    pub(super) start: ExprId,
+    pub(super) step: ExprId,
     stop: ExprId,
 }
 
@@ -109,7 +109,7 @@ impl Evaluator<'_> {
     }
 
     /// The bounds of a range if they are known only at run time.
-    fn open_range(&mut self, iterator: &Loop, scope: Scope) -> Option<Option<Range>> {
+    pub(super) fn open_range(&mut self, iterator: &Loop, scope: Scope) -> Option<Option<Range>> {
         let Some(range) = &iterator.range else { return Some(None) };
         let ExprKind::Range { start, step, stop } = &range.kind else { return Some(None) };
         let start = self.evaluate(start, scope)?.scalar();
@@ -130,7 +130,7 @@ impl Evaluator<'_> {
 
     /// Whether there is an iteration of this number, counted from 0 (as many as a vector of the
     /// range has elements).
-    fn is_within(&mut self, iteration: ExprId, range: &Range) -> ExprId {
+    pub(super) fn is_within(&mut self, iteration: ExprId, range: &Range) -> ExprId {
         let way = self.graph.sub(range.stop, range.start);
         let whole = [way, range.step].into_iter().all(|e| self.graph.ty(e) == Type::Integer);
         let mut last = self.graph.div(way, range.step);
@@ -143,7 +143,7 @@ impl Evaluator<'_> {
 
     /// Makes a function of a loop that changes locals of these names, and assigns its outputs.
     /// `run` executes one iteration and returns its condition and how it ends.
-    fn loop_as_function(
+    pub(super) fn loop_as_function(
         &mut self,
         names: &FastSet<Name>,
         span: Span,

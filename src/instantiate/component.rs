@@ -325,14 +325,16 @@ fn child_instance(
     // In a chain of redeclarations the outermost one counts; the others contribute their
     // constraining clauses.
     let mut replaced = false;
-    for (replacement, at) in component_redeclarations(cx, &outer, entry, parent, wanted) {
+    for Replacement { declaration: replacement, scope: at, subscripts } in
+        component_redeclarations(cx, &outer, entry, parent, wanted)
+    {
         let constraint = constraint(&replacement.element).cloned();
         if !replaced || constraint.is_none() {
             let modification = replacement.component().modification.as_ref();
-            push_whole(cx, &mut layers, modification, at);
+            push_whole(&mut layers, modification, at, &subscripts);
         }
         if let Some(constraint) = constraint {
-            push_whole(cx, &mut layers, constraint.modification.as_ref(), at);
+            push_whole(&mut layers, constraint.modification.as_ref(), at, &subscripts);
         }
         if !replaced {
             replaced = true;
@@ -358,11 +360,13 @@ fn child_instance(
     // The modifications of the original declaration also hold for a replacement (section 7.3.2),
     // unless a constraining clause has its own.
     let constraint = constraint(&declaration.element);
+    let no_subscripts = cx.no_sizes.clone();
     if !replaced || constraint.is_none() {
-        push_whole(cx, &mut layers, declaration.component().modification.as_ref(), own);
+        let modification = declaration.component().modification.as_ref();
+        push_whole(&mut layers, modification, own, &no_subscripts);
     }
     if let Some(r) = constraint {
-        push_whole(cx, &mut layers, r.modification.as_ref(), own);
+        push_whole(&mut layers, r.modification.as_ref(), own, &no_subscripts);
     }
     let holder = &cx.instances[parent];
     let mut prefix = holder.prefix;
@@ -387,20 +391,29 @@ fn child_instance(
 }
 
 fn push_whole(
-    cx: &Evaluator<'_>,
     layers: &mut Vec<Layer>,
     modification: Option<&std::sync::Arc<ast::Modification>>,
     scope: Scope,
+    subscripts: &Rc<[usize]>,
 ) {
     if let Some(m) = modification {
         let source = LayerSource::Whole(m.clone());
-        layers.push(Layer { source, scope, subscripts: cx.no_sizes.clone() });
+        layers.push(Layer { source, scope, subscripts: subscripts.clone() });
     }
 }
 
 /// The list of an instance, which is empty for most.
 fn listed(cx: &Evaluator<'_>, layers: Vec<Layer>) -> Rc<[Layer]> {
     if layers.is_empty() { cx.no_layers.clone() } else { layers.into() }
+}
+
+/// `redeclare T name(...)`.
+struct Replacement {
+    declaration: Declaration,
+    /// Where its names are looked up.
+    scope: Scope,
+    /// To be applied to its bindings, in an array of components.
+    subscripts: Rc<[usize]>,
 }
 
 /// `redeclare T name(...)` in the modifications of the parent, outermost first.
@@ -410,7 +423,7 @@ fn component_redeclarations(
     entry: &Entry,
     parent: InstanceId,
     wanted: Name,
-) -> Vec<(Declaration, Scope)> {
+) -> Vec<Replacement> {
     let inherited = entry.layers.iter().map(|(m, class)| Layer {
         source: LayerSource::Whole(m.clone()),
         scope: cx.modification_scope(*class, parent),
@@ -418,13 +431,10 @@ fn component_redeclarations(
     });
     let mut found = Vec::new();
     for layer in outer.iter().cloned().chain(inherited) {
-        for (element, _) in layer.redeclarations() {
-            if let ElementKind::Components(clause) = &element.kind
-                && let Some(k) = clause.components.iter().position(|c| c.name.name == wanted)
-            {
-                let element = Rc::new((**element).clone());
-                found.push((Declaration { element, component: k }, layer.scope));
-            }
+        for (element, component, subscripts) in layer.component_redeclarations(wanted) {
+            let element = Rc::new((**element).clone());
+            let declaration = Declaration { element, component };
+            found.push(Replacement { declaration, scope: layer.scope, subscripts });
         }
     }
     found

@@ -5,7 +5,7 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
-use super::ast::{ArgumentKind, Element, Expr, Modification};
+use super::ast::{ArgumentKind, Element, ElementKind, Expr, Modification};
 use super::instance::Scope;
 use crate::base::name::Name;
 use crate::base::source::Span;
@@ -158,6 +158,21 @@ impl Layer {
         self.inner().into_iter().flat_map(|m| &m.args).filter_map(|arg| match &arg.kind {
             ArgumentKind::Redeclare(element) => Some((element, arg.span)),
             ArgumentKind::Element { .. } | ArgumentKind::Removal(_) => None,
+        })
+    }
+
+    /// Redeclarations in this layer of the component `name`: the element, its position in the list of
+    /// components, and the subscripts to apply to bindings in it, of which `each` leaves none.
+    pub fn component_redeclarations(
+        &self,
+        name: Name,
+    ) -> impl Iterator<Item = (&Arc<Element>, usize, Rc<[usize]>)> {
+        self.inner().into_iter().flat_map(|m| &m.args).filter_map(move |arg| {
+            let ArgumentKind::Redeclare(element) = &arg.kind else { return None };
+            let ElementKind::Components(clause) = &element.kind else { return None };
+            let at = clause.components.iter().position(|c| c.name.name == name)?;
+            let subscripts = if arg.each { Rc::from([]) } else { self.subscripts.clone() };
+            Some((element, at, subscripts))
         })
     }
 

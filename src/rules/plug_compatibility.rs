@@ -269,17 +269,24 @@ pub(crate) fn incompatibility_without_sizes(
     let (needs, has) = (cx.table(wanted), cx.table(given));
     let open = is_open_enumeration(cx, wanted)
         && matches!(has.scalar, Some(crate::ir::expr::Type::Enumeration(_)));
-    let (wanted, given) = (cx.classes[wanted].full_name, cx.classes[given].full_name);
+    let (replacing, given) = (given, cx.classes[given].full_name);
+    let (wanted_class, wanted) = (wanted, cx.classes[wanted].full_name);
     if needs.scalar.is_some() && needs.scalar != has.scalar && !open {
         return Some(Incompatibility::Type { given, wanted });
     }
+    let is_class = |e: &Entry| matches!(e.kind, EntryKind::Class(_));
     let needed = needs.entries.iter().filter(|e| !e.protected && !is_conditional(e));
     for entry in needed {
         let text = entry.name.name;
         let Some(at) = has.index.get(&text) else {
+            if is_class(entry)
+                && (is_function(cx, wanted_class, entry)
+                    || cx.class_in_file(replacing, text).is_some())
+            {
+                continue;
+            }
             return Some(Incompatibility::Missing { given, element: text, wanted });
         };
-        let is_class = |e: &Entry| matches!(e.kind, EntryKind::Class(_));
         if is_class(entry) != is_class(&has.entries[*at]) {
             return Some(Incompatibility::Element { element: text, wanted });
         }
@@ -296,6 +303,14 @@ fn own_rank(entry: &Entry) -> usize {
         },
         EntryKind::Component(_) => 0,
     }
+}
+
+/// Whether an element is a function of a package. A medium of an older library may lack some of those that the
+/// packages of the Standard Library have by now; one that is called is missed there.
+fn is_function(cx: &ClassGraph<'_>, holder: ClassId, entry: &Entry) -> bool {
+    let is_package = cx.definition(holder).is_some_and(|t| t.kind == ast::ClassKind::Package);
+    let EntryKind::Class(text) = &entry.kind else { return false };
+    is_package && matches!(text.kind, ast::ClassKind::Function { .. })
 }
 
 fn is_conditional(entry: &Entry) -> bool {

@@ -118,6 +118,11 @@ causes! {
             => ("`{relation}` changes faster than the steps: it may have been true or false for moments \
                  that no step saw"),
             help("shorten the steps with `--max-step`, to less than the shortest of these moments");
+        /// The method that was chosen for a run failed, and another one took its place.
+        warning MO0942 OtherMethod { method: &'static str, failure: String }
+            => ("these results are those of {method}, because the first run failed: {failure}"),
+            help("check them at a tighter `--tolerance`; `--method` and `--mode` choose by what means a \
+                  model is run");
         /// A model does not come to rest.
         error MO0937 NotSettled { time: f64, state: String }
             => ("the model does not come to rest: at time {time} s {} still moves", named(state)),

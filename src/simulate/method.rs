@@ -185,6 +185,14 @@ fn tightened(options: &Options, part: f64) -> Options {
     options
 }
 
+/// The methods that may solve what the automatic choice for a program did not, best first.
+pub fn other_methods(program: &Program) -> Vec<Method> {
+    let (chosen, _) = choose(program);
+    let mut others = vec![Method::Bdf, Method::Radau];
+    others.retain(|method| *method != chosen);
+    others
+}
+
 /// The automatic choice and its reason; [`Method::Auto`] as a result means [`Switching`].
 fn choose(program: &Program) -> (Method, String) {
     let (states, algebraics) = (program.order(), program.algebraics.len());

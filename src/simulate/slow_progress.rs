@@ -122,6 +122,10 @@ impl Simulation<'_, '_> {
         if windows + 1 < HOPELESS_WINDOWS {
             return Ok(());
         }
+        // A solution between the borders of a hysteresis that moves no further than from one to the other.
+        if let Some(chattering) = self.history.avoided.take() {
+            return Err(chattering);
+        }
         let total = (f64::from(WINDOW) / done).min(1e300);
         // Two digits: the estimate is no better.
         let scale = 10_f64.powf(total.log10().floor() - 1.0);

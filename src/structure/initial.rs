@@ -17,6 +17,17 @@ use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::VarId;
 use crate::ir::flat::StateSelect;
 
+/// Where nonlinear loops of the initialization are torn.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum StartTearing {
+    /// Where few unknowns remain.
+    #[default]
+    Fewest,
+    /// At states, and at variables that have a start value: an iteration begins near these values,
+    /// and the other unknowns follow.
+    AtStarts,
+}
+
 /// The initialization in order.
 pub struct InitialSequence {
     /// See [`Blocks::initial`](crate::ir::blocks::Blocks::initial).
@@ -32,6 +43,7 @@ pub fn sequence(
     dae: &mut Dae,
     is_state: &IndexVec<VarId, bool>,
     zeros: &StructuralZeros,
+    tearing: StartTearing,
     problems: &mut Problems,
 ) -> Option<InitialSequence> {
     let contradicted = redundant_initial::contradicted_constants(dae);
@@ -66,8 +78,16 @@ pub fn sequence(
     };
     let mut starts = starts;
     starts.sort_unstable();
-    let blocks = sort::sequence(dae, &system, &matched);
     let is_preferred = |v: VarId| is_state[v];
+    let blocks = match tearing {
+        StartTearing::Fewest => sort::sequence(dae, &system, &matched),
+        StartTearing::AtStarts => {
+            let has_start: IndexVec<VarId, bool> =
+                dae.variables.ids().map(|v| dae.variables[v].start.is_some()).collect();
+            let is_known = |v: VarId| is_state[v] || has_start[v];
+            sort::sequence_torn_at(dae, &system, &matched, &is_known)
+        }
+    };
     let by_states = match blocks.iter().any(|block| has_hidden_state(block, &is_preferred)) {
         true => sort::sequence_torn_at(dae, &system, &matched, &is_preferred),
         false => Vec::new(),

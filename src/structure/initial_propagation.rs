@@ -3,7 +3,8 @@
 //! *In:* an over-determined part of the initialization problem. *Out:* whether the equations that
 //! are left over hold: for all values of the parameters if they vanish symbolically, else to
 //! tolerance at the values that are known at compile time. Equations that cannot be solved one after
-//! the other are consistent if they are linear and one of them is a combination of the others.
+//! the other are consistent if they are linear and one of them is a combination of the others; nothing is
+//! known about nonlinear ones.
 
 use super::incidence::EquationSystem;
 use super::linear_dependence;
@@ -20,20 +21,26 @@ const TOLERANCE: f64 = 1e-6;
 /// Differences below this fraction of the largest term are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
-/// True if the rows determine all their unknowns, one after the other or by linear equations, and the one that is
-/// not needed holds. The first row is the one that will be left out.
+/// Whether the rows determine all their unknowns, one after the other or by linear equations, and the one that is
+/// not needed holds; `None` if that cannot be told before the simulation, because they are not linear or read values
+/// that are not known. The first row is the one that will be left out.
 pub fn is_consistent(
     dae: &mut Dae,
     system: &EquationSystem,
     rows: &[Row],
     values: &mut ParameterValues,
-) -> bool {
+) -> Option<bool> {
     let mut propagation = Propagation::new(dae, system, rows);
     let further = propagation.solve();
     let (closed, open): (Vec<Row>, Vec<Row>) =
         further.into_iter().partition(|row| propagation.open[row] == 0);
-    closed.into_iter().all(|row| propagation.holds(row, values))
-        && propagation.open_hold(&open, values)
+    let mut verdicts: Vec<Option<bool>> =
+        closed.into_iter().map(|row| propagation.holds(row, values)).collect();
+    verdicts.push(propagation.open_hold(&open, values));
+    if verdicts.contains(&Some(false)) {
+        return Some(false);
+    }
+    verdicts.into_iter().all(|verdict| verdict == Some(true)).then_some(true)
 }
 
 /// Whether two expressions are equal: for all parameters, or to tolerance at their values. `None`
@@ -122,8 +129,8 @@ impl<'a> Propagation<'a> {
         self.rows.iter().copied().filter(|row| !used.contains(row)).collect()
     }
 
-    /// True if the sides of an equation are equal at the values of its unknowns.
-    fn holds(&mut self, row: Row, values: &mut ParameterValues) -> bool {
+    /// Whether the sides of an equation are equal at the values of its unknowns.
+    fn holds(&mut self, row: Row, values: &mut ParameterValues) -> Option<bool> {
         let (a, b) = solve::sides(self.dae, self.system.sources[row]);
         let [a, b] = [a, b].map(|side| self.substituted(side));
         let g = &mut self.dae.graph;
@@ -131,13 +138,13 @@ impl<'a> Propagation<'a> {
             let difference = g.sub(a, b);
             g.as_number(difference) == Some(0.0)
         };
-        cancels || agree(g, a, b, values) == Some(true)
+        if cancels { Some(true) } else { agree(g, a, b, values) }
     }
 
-    /// True if the equations whose unknowns have no values yet are linear and do not contradict each other.
-    fn open_hold(&mut self, rows: &[Row], values: &mut ParameterValues) -> bool {
+    /// Whether the equations whose unknowns have no values yet do not contradict each other, if they are linear.
+    fn open_hold(&mut self, rows: &[Row], values: &mut ParameterValues) -> Option<bool> {
         if rows.is_empty() {
-            return true;
+            return Some(true);
         }
         let mut place = FastMap::default();
         for col in rows.iter().flat_map(|row| self.system.graph.cols(*row)) {

@@ -40,10 +40,20 @@ use crate::ir::blocks::{Block, Blocks, Source, State};
 use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::VarId;
 use incidence::EquationSystem;
+use initial::StartTearing;
 use structural_zeros::StructuralZeros;
 
 /// Sorts a system. Errors are added to `problems`; `None` if there are any.
-pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
+pub fn structure(dae: Dae, problems: &mut Problems) -> Option<Blocks> {
+    structure_with(dae, StartTearing::default(), problems)
+}
+
+/// As [`structure`], with the loops of the initialization torn in this way.
+pub fn structure_with(
+    mut dae: Dae,
+    tearing: StartTearing,
+    problems: &mut Problems,
+) -> Option<Blocks> {
     let stated = std::mem::take(&mut dae.stated);
     let zeros = StructuralZeros::find(&mut dae);
     let original = (!zeros.is_empty()).then(|| dae.clone());
@@ -61,7 +71,7 @@ pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
         // If the model is singular at these values, the simulation reports it.
         if StructuralZeros::find(&mut original).apply(&mut original, &wrong)
             && let mut quiet = Problems::new()
-            && let Some(blocks) = structure(original, &mut quiet)
+            && let Some(blocks) = structure_with(original, tearing, &mut quiet)
         {
             problems.extend(quiet);
             return Some(blocks);
@@ -69,7 +79,7 @@ pub fn structure(mut dae: Dae, problems: &mut Problems) -> Option<Blocks> {
     }
     let zeros = reduced_zeros;
     // Initialization precedes the dynamic selection of states.
-    let start = initial::sequence(&mut dae, &is_state, &zeros, problems)?;
+    let start = initial::sequence(&mut dae, &is_state, &zeros, tearing, problems)?;
     let state_sets = dynamic_selection::state_sets(&mut dae, &pivots, &mut is_state);
     if !state_sets.is_empty() {
         (system, matched) = self::matched(&dae, &is_state, &zeros, problems)?;

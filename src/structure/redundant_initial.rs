@@ -5,7 +5,8 @@
 //! A condition without an unknown of its own belongs to an over-determined part of the system
 //! (Dulmage and Mendelsohn 1958). If that part can be solved one equation after the other, and the
 //! equations that remain hold, symbolically or at the values of the parameters, the condition is
-//! redundant. All others stay in the system, which is then reported as over-determined.
+//! redundant. If they do not hold, it stays in the system, which is then reported as
+//! over-determined. If neither is known before the simulation, the check at the start decides.
 
 use super::incidence::EquationSystem;
 use super::parameter_values::ParameterValues;
@@ -35,11 +36,11 @@ pub fn without_redundant(
         return system;
     }
     let mut values = ParameterValues::of(dae);
-    let follows = |row: &Row| {
+    let may_follow = |row: &Row| {
         let part = over_determined(&system.graph, &matched, *row);
-        initial_propagation::is_consistent(dae, &system, &part, &mut values)
+        initial_propagation::is_consistent(dae, &system, &part, &mut values) != Some(false)
     };
-    let redundant: Vec<Row> = open.into_iter().filter(follows).collect();
+    let redundant: Vec<Row> = open.into_iter().filter(may_follow).collect();
     for &row in &redundant {
         let assert = check_at_start(dae, system.sources[row]);
         dae.asserts.push(assert);

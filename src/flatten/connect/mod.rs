@@ -125,11 +125,17 @@ impl Connections {
                 }
             }
             _ => {
-                let (left, right) = (parts(cx, a), parts(cx, b));
-                if left.len() != right.len() {
+                let (left, right) = (Elements::of(cx, a), Elements::of(cx, b));
+                if left.are_absent() || right.are_absent() {
+                    return Some(());
+                }
+                if left.all.len() != right.all.len() {
                     return mismatch(cx, pair, Mismatch::Sizes);
                 }
-                for (x, y) in left.iter().zip(&right) {
+                for (x, y) in left.all.iter().zip(&right.all) {
+                    if is_absent(x) || is_absent(y) {
+                        continue;
+                    }
                     match (scalar(cx, x), scalar(cx, y)) {
                         (Some(x), Some(y)) => {
                             self.record(cx, x.0, y.0, pair);
@@ -234,9 +240,8 @@ impl Connections {
             | (InstanceKind::Variable { dims: d, .. }, InstanceKind::Array { dims: e, .. })
                 if d == e =>
             {
-                let (left, right) =
-                    (parts(cx, &Selection::Whole(x)), parts(cx, &Selection::Whole(y)));
-                for (x, y) in left.iter().zip(&right) {
+                let [left, right] = [x, y].map(|id| Elements::of(cx, &Selection::Whole(id)));
+                for (x, y) in left.all.iter().zip(&right.all) {
                     self.pair(cx, x, y, pair)?;
                 }
                 Some(())
@@ -408,21 +413,49 @@ fn first_instance(s: &Selection) -> Option<InstanceId> {
     }
 }
 
-/// The elements of an array, or the parts of a slice.
-fn parts(cx: &Evaluator<'_>, s: &Selection) -> Vec<Selection> {
-    match s {
-        Selection::Many(_, all) => all.clone(),
-        Selection::Whole(id) => match &cx.instances[*id].kind {
-            InstanceKind::Array { elements, .. } => {
-                elements.iter().map(|e| Selection::Whole(*e)).collect()
-            }
-            InstanceKind::Variable { dims, .. } => {
-                (0..dims.iter().product()).map(|k| Selection::Element(*id, k)).collect()
-            }
-            _ => vec![s.clone()],
-        },
-        other => vec![other.clone()],
+/// The elements of an array, of a slice, and of the arrays that are selected from each component of
+/// an array, row by row.
+#[derive(Default)]
+struct Elements {
+    all: Vec<Selection>,
+}
+
+impl Elements {
+    fn of(cx: &mut Evaluator<'_>, selection: &Selection) -> Elements {
+        let mut found = Elements::default();
+        found.add(cx, selection);
+        found
     }
+
+    /// Whether no component has them, which then may have any size.
+    fn are_absent(&self) -> bool {
+        !self.all.is_empty() && self.all.iter().all(is_absent)
+    }
+
+    fn add(&mut self, cx: &mut Evaluator<'_>, selection: &Selection) {
+        let Selection::Whole(id) = selection else {
+            match selection {
+                Selection::Many(_, all) => all.iter().for_each(|s| self.add(cx, s)),
+                other => self.all.push(other.clone()),
+            }
+            return;
+        };
+        cx.complete(*id);
+        match cx.instances[*id].kind.clone() {
+            InstanceKind::Array { elements, .. } => {
+                elements.iter().for_each(|e| self.add(cx, &Selection::Whole(*e)));
+            }
+            InstanceKind::Variable { dims, .. } if !dims.is_empty() => {
+                let count = dims.iter().product();
+                self.all.extend((0..count).map(|k| Selection::Element(*id, k)));
+            }
+            _ => self.all.push(selection.clone()),
+        }
+    }
+}
+
+fn is_absent(selection: &Selection) -> bool {
+    matches!(selection, Selection::Absent)
 }
 
 /// The instance and element number of a scalar variable.

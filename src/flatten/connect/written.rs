@@ -124,13 +124,25 @@ pub(crate) fn pairs(
         (connection_ends::of(cx, a, connect.scope), connection_ends::of(cx, b, connect.scope))
     });
     let (Some(mut left), Some(mut right)) = (left, right) else { return Vec::new() };
-    if left.len() != right.len() {
+    let is_uneven = left.iter().zip(&right).any(|(a, b)| is_one_an_array(cx, a, b));
+    if left.len() != right.len() || is_uneven {
         // An array of connectors, and a connector of each component of an array.
         left = elements(cx, left);
         right = elements(cx, right);
     }
     // `connect` itself reports wrong sizes and names.
     if left.len() == right.len() { left.into_iter().zip(right).collect() } else { Vec::new() }
+}
+
+/// Whether just one of two instances is an array.
+fn is_one_an_array(cx: &Evaluator<'_>, a: &ConnectionEnd, b: &ConnectionEnd) -> bool {
+    let (EndTarget::Instance(a), EndTarget::Instance(b)) = (&a.at, &b.at) else { return false };
+    let [a, b] = [a, b].map(|id| match &cx.instances[*id].kind {
+        InstanceKind::Array { .. } => true,
+        InstanceKind::Variable { dims, .. } => !dims.is_empty(),
+        _ => false,
+    });
+    a != b
 }
 
 /// The ends with arrays of components split into their elements.

@@ -37,6 +37,10 @@ pub struct EventHistory {
     single: Option<(u32, u32, f64)>,
     /// The last relation whose change had effects on variables, and its new value.
     acting: Option<(u32, bool)>,
+    /// When that was, s.
+    acted_at: f64,
+    /// The failure that a hysteresis avoided so far.
+    pub(crate) avoided: Option<Failure>,
 }
 
 impl EventHistory {
@@ -50,6 +54,8 @@ impl EventHistory {
             flipped: Vec::new(),
             single: None,
             acting: None,
+            acted_at: f64::NEG_INFINITY,
+            avoided: None,
         }
     }
 
@@ -168,6 +174,7 @@ impl Simulation<'_, '_> {
         let history = &mut self.history;
         if effects.acted {
             history.acting = flipped.first().copied();
+            history.acted_at = t;
         }
         let oldest = history.times[history.at];
         history.times[history.at] = t;
@@ -190,16 +197,25 @@ impl Simulation<'_, '_> {
         let instantaneous = t - oldest <= INSTANTANEOUS * self.history.span;
         let accumulated =
             self.history.acting.filter(|_| !instantaneous && self.history.accumulates());
+        // Without effects on variables, the solution moves between the borders of a hysteresis as
+        // it slides along the threshold.
+        let is_harmless = self.history.acted_at < oldest;
         let failure =
             self.chattering_failure(t, t - oldest, accumulated.or(flipped.first().copied()));
         let continues = match accumulated {
             Some(accumulated) => {
                 self.widen_at_accumulation(accumulated, relations.into_iter(), failure.clone())
             }
-            None => instantaneous && self.locator.widen_hysteresis(relations.into_iter()),
+            None => {
+                (instantaneous || is_harmless)
+                    && self.locator.widen_hysteresis(relations.into_iter())
+            }
         };
         if continues {
             self.history.times = [f64::NEG_INFINITY; CHATTER_EVENTS];
+            if !instantaneous && accumulated.is_none() {
+                self.history.avoided = Some(failure);
+            }
             return Ok(());
         }
         Err(failure)

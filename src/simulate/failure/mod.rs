@@ -49,6 +49,23 @@ impl Failure {
         self.diagnostic.is(|cause| matches!(cause, RunCause::NoSensitivities { .. }))
     }
 
+    /// True if another method may get past the instant at which the run ended: loops were not solved, or
+    /// steps became too small.
+    pub fn depends_on_method(&self) -> bool {
+        self.kind == FailureKind::Numerics
+            && self.diagnostic.is(|cause| {
+                !matches!(
+                    cause,
+                    RunCause::Chattering { .. }
+                        | RunCause::PassedThrough { .. }
+                        | RunCause::HiddenSwitching { .. }
+                        | RunCause::IntegerTooLarge { .. }
+                        | RunCause::TooManyTicks { .. }
+                        | RunCause::StringTooLong { .. }
+                )
+            })
+    }
+
     /// A failure of the numerics.
     pub fn numerics(time: f64, diagnostic: Diagnostic) -> Self {
         Failure { kind: FailureKind::Numerics, time, diagnostic: Box::new(diagnostic) }

@@ -248,3 +248,21 @@ package Media
   end User;
 end Media;
 //@ expect plant.reader.d = 850
+
+//@ case inherited_and_declared_again_with_a_unit
+// The two differ in nothing but an attribute; the new declaration counts.
+package Units
+  type Time = Real(unit = "s");
+  partial block Base
+    output Real y = 3;
+  end Base;
+  block Timer
+    extends Base;
+    output Time y(max = 5) = 3;
+  end Timer;
+  model Both
+    Timer timer;
+    Real x = timer.y;
+  end Both;
+end Units;
+//@ expect x = 3

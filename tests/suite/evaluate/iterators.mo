@@ -80,3 +80,33 @@ end Sums;
 //@ expect y[1], y[2] = 6, 14
 //@ expect z[1,1], z[1,2], z[2,1], z[2,2] = 9, 0, 0, 18
 //@ expect total = 6
+
+//@ case reductions_whose_number_of_terms_varies
+//@ run stop=4
+package Means
+  function mean "of the first k"
+    input Real x[:];
+    input Integer k;
+    output Real y;
+  algorithm
+    y := if k == 0 then 0 else sum(x[i] for i in 1:k)/k;
+  end mean;
+  model Recorder
+    Integer k(start = 0, fixed = true);
+    parameter Real x[5] = {2, 4, 9, 1, 7};
+    Real m = mean(x, k);
+    Real products = product(x[i] for i in 1:k);
+    Real most = max(x[i] for i in 1:k);
+    Real pairs = sum(x[i]*j for i in 1:k, j in 1:2);
+    Real none = sum(x[i] for i in 2:k - 10);
+  equation
+    when sample(0.5, 1) then
+      k = pre(k) + 1;
+    end when;
+  end Recorder;
+end Means;
+//@ expect m at 0, 1, 3, 4 = 0, 2, 5, 4 rel 1e-12
+//@ expect products at 0, 3 = 1, 72
+//@ expect most at 2, 4 = 4, 9
+//@ expect pairs at 3 = 45
+//@ expect none = 0

@@ -201,3 +201,55 @@ package Eigen
   end User;
 end Eigen;
 //@ expect product = 2^2 - 0.75^2 rel 1e-12
+
+//@ case fewer_equations_than_unknowns
+// The shortest of all solutions: of x + y + z = 6*time and x - z = 0 it is (2, 2, 2)*time, by symmetry.
+package Short
+  function dgelsy
+    input Real A[:, :];
+    input Real b[size(A, 1)];
+    output Real x[max(size(A, 1), size(A, 2))] = cat(1, b, zeros(max(size(A, 1), size(A, 2)) - size(A, 1)));
+    output Integer info;
+    output Integer rank;
+  protected
+    Integer nrow = size(A, 1);
+    Integer ncol = size(A, 2);
+    Integer nx = max(nrow, ncol);
+    Real work[100];
+    Real Awork[nrow, ncol] = A;
+    Integer jpvt[ncol] = zeros(ncol);
+    external "FORTRAN 77" dgelsy(nrow, ncol, 1, Awork, nrow, x, nx, jpvt, 1e-12, rank, work, 100, info);
+  end dgelsy;
+  model Plane
+    Real x[3] = dgelsy({{1, 1, 1}, {1, 0, -1}}, {6*time, 0});
+    parameter Real y[3] = dgelsy({{0, 3, 4}}, {25});
+  end Plane;
+end Short;
+//@ run stop=1
+//@ expect x[1], x[2], x[3] = 2, 2, 2 rel 1e-12
+//@ expect y[1], y[2], y[3] = 0, 3, 4 abs 1e-12
+
+//@ case eigenvalues_of_a_hessenberg_matrix
+// Those of the companion matrix of (s - 1)*(s - 2)*(s - 4) = s^3 - 7 s^2 + 14 s - 8.
+package Roots
+  function dhseqr
+    input Real H[:, size(H, 1)];
+    output Real re[size(H, 1)];
+    output Real im[size(H, 1)];
+    output Integer info;
+  protected
+    Integer n = size(H, 1);
+    String job = "E";
+    Real Ho[:, :] = H;
+    Real Zo[:, :] = H;
+    Real work[3*size(H, 1)];
+    external "FORTRAN 77" dhseqr(job, "N", n, 1, n, Ho, n, re, im, Zo, n, work, 3*n, info);
+  end dhseqr;
+  model Polynomial
+    parameter Real roots[3] = dhseqr({{7, -14, 8}, {1, 0, 0}, {0, 1, 0}});
+    Real smallest = min(roots);
+    Real sum = sum(roots);
+    Real largest = max(roots);
+  end Polynomial;
+end Roots;
+//@ expect smallest, largest, sum = 1, 4, 7 rel 1e-9

@@ -71,3 +71,34 @@ equation
   der(y) = x;
   der(z) = x;
 end Changing;
+
+//@ case records_that_refer_to_each_other
+// The data of a plant depend on its configuration, of which one part depends on the data: field by field there is no cycle.
+package Plant
+  record Configuration
+    parameter Integer pumps;
+    parameter Integer valves;
+  end Configuration;
+  record Data
+    parameter Configuration configuration;
+    parameter Integer zones = 3;
+    parameter Real flow[configuration.pumps] = fill(2.0, configuration.pumps);
+  end Data;
+  model Machine
+    parameter Data data;
+    parameter Configuration configuration(final pumps = 2, final valves = control.valves);
+    Control control(final zones = data.zones);
+    Real y[configuration.pumps] = data.flow;
+  end Machine;
+  model Control
+    parameter Integer zones;
+    parameter Integer valves = 2*zones;
+  end Control;
+  model System
+    parameter Data data(final configuration = machine.configuration);
+    Machine machine(final data = data);
+    Real v[machine.configuration.valves] = fill(time, machine.configuration.valves);
+  end System;
+end Plant;
+//@ expect machine.y[2] = 2
+//@ expect v[6] = 1

@@ -210,3 +210,61 @@ package Open
   end Line;
 end Open;
 //@ expect open.a.f, last.b.f = 0
+
+//@ case arrays_of_vectors
+// A matrix of components, and a component with a vector of connectors for each of its rows, whose number may be the
+// same as that of the elements.
+package Rows
+  connector In = input Real;
+  connector Out = output Real;
+  block Gain
+    parameter Real k = 1;
+    Out y = k;
+  end Gain;
+  block Sum
+    parameter Integer n = 1;
+    In u[n];
+    Out y = sum(u);
+  end Sum;
+  model Matrix
+    parameter Integer rows = 2;
+    parameter Integer columns = 3;
+    Gain gain[rows, columns](k = {{1, 2, 3}, {10, 20, 30}});
+    Gain single[rows, 1](k = {{4}, {5}});
+    Sum sum[rows](each n = columns);
+    Sum alone[rows](each n = 1);
+  equation
+    connect(gain.y, sum.u);
+    connect(single.y, alone.u);
+  end Matrix;
+end Rows;
+//@ expect sum[1].y, sum[2].y = 6, 60
+//@ expect alone[1].y, alone[2].y = 4, 5
+
+//@ case connectors_that_no_element_has
+// A conditional connector of each component of an array, which all are absent, whatever its size.
+package Conditional
+  connector In = input Real;
+  connector Out = output Real;
+  block Part
+    parameter Boolean has = false;
+    parameter Integer n = 2;
+    In u if has;
+    In list[n] if has;
+    Out y = 7;
+  end Part;
+  block Source
+    parameter Integer n = 3;
+    Out y[n] = fill(2.0, n);
+  end Source;
+  model Plant
+    Source source;
+    Source more(n = 6);
+    Part part[3](each has = false);
+  equation
+    connect(source.y, part.u);
+    connect(more.y, part.list);
+  end Plant;
+end Conditional;
+//@ expect part[3].y = 7
+//@ expect no column part[1].u

@@ -349,3 +349,64 @@ package Renamed
   end Top;
 end Renamed;
 //@ expect closed.x = 2
+
+//@ case a_redeclared_component_in_an_array
+// Without `each`, a value in the redeclaration of a component of an array is split among its elements.
+package Network
+  record Cable
+    parameter Real r = 1;
+    parameter Real bound(start = 0) = 2;
+  end Cable;
+  function resistance
+    input Cable cable;
+    output Real r = 10*cable.r;
+  end resistance;
+  model Line
+    parameter Real length;
+    replaceable parameter Cable cable constrainedby Cable;
+    final parameter Real r = length*cable.r;
+    final parameter Real r10 = resistance(cable);
+  end Line;
+  partial model Lines
+    parameter Cable cables[2] = {Cable(r = 3), Cable(r = 5)};
+    replaceable Line lines[2](length = {1, 2});
+  end Lines;
+  model Grid
+    extends Lines(redeclare Line lines(redeclare replaceable Cable cable = cables));
+    Line more[2](each length = 1, each redeclare Cable cable = cables[2]);
+  end Grid;
+end Network;
+//@ expect lines[1].r, lines[2].r = 3, 10
+//@ expect lines[1].r10, lines[2].r10 = 30, 50
+//@ expect more[1].r, more[2].r = 5, 5
+
+//@ case a_medium_of_an_older_library
+// A package that replaces another one may lack functions that nobody calls.
+package Media
+  partial package Medium
+    constant Real c = 1;
+    replaceable function density
+      input Real p;
+      output Real d;
+    end density;
+    function viscosity
+      input Real p;
+      output Real v = p/7;
+    end viscosity;
+  end Medium;
+  package Older
+    constant Real c = 4;
+    function density
+      input Real p;
+      output Real d = 2*p;
+    end density;
+  end Older;
+  model Tank
+    replaceable package M = Medium;
+    Real d = M.density(M.c);
+  end Tank;
+  model Top
+    Tank tank(redeclare package M = Older);
+  end Top;
+end Media;
+//@ expect tank.d = 8

@@ -229,3 +229,20 @@ end Repeated;
 //@ run stop=1
 //@ expect x at 0 = 2 rel 1e-9
 //@ expect y at 0 = 1 rel 1e-9
+
+//@ case a_rest_that_the_others_imply
+// The start of the level follows from the other two, by an equation that is solved by iteration: it is checked.
+model Basins
+  Real level(start = 4, fixed = true);
+  Real flow(start = 1);
+  Real other(start = 1);
+initial equation
+  der(level) = 0;
+equation
+  flow^3 + flow = 10;
+  other + 0.1*sin(other)*flow = level;
+  der(level) = 10 - flow^3 - flow*level/4;
+end Basins;
+//@ run stop=1
+//@ expect flow = 2 rel 1e-6
+//@ expect level = 4 rel 1e-6
