@@ -67,6 +67,17 @@ pub enum OptimizeError {
     NoValue(String),
 }
 
+/// Reads the plan of a design and compiles its model; nothing is run.
+pub fn check(request: &Request<'_>, session: &mut Session) -> Result<(), OptimizeError> {
+    let text = request.text.clone().map_or_else(|| readable(&request.plan), Ok)?;
+    let found = plan::read(&request.plan, &text, &mut session.sources, &mut session.problems);
+    let mut plan = found.ok_or(CompileError::Request)?;
+    let (program, measures) = compile(&plan, request, session)?;
+    convert(&mut plan, &program, &measures, session)?;
+    parameters(&plan, &program, session)?;
+    Ok(())
+}
+
 /// Optimizes the design of a plan.
 pub fn run(request: &Request<'_>, session: &mut Session) -> Result<Optimum, OptimizeError> {
     let text = request.text.clone().map_or_else(|| readable(&request.plan), Ok)?;
