@@ -90,9 +90,9 @@ impl Session {
                 }
                 Target::Class(class) => {
                     let full = cx.classes[class].full_name.to_string();
-                    let beside = full.rsplit_once('.').map_or(new.to_owned(), |(outer, _)| {
-                        format!("{outer}.{new}")
-                    });
+                    let beside = full
+                        .rsplit_once('.')
+                        .map_or(new.to_owned(), |(outer, _)| format!("{outer}.{new}"));
                     Some(find(cx, &beside).is_some())
                 }
             }

@@ -34,17 +34,15 @@ pub enum Wrong {
 /// Checks a file, and the model that it names. Diagnostics are added to the session.
 pub fn check(plan: &Plan<'_>, session: &mut Session) -> Result<(), Wrong> {
     let text = plan.text.clone().map_or_else(|| read(plan.path), Ok);
-    let text = text.map_err(|why| {
-        Wrong::Message(format!("cannot read {}: {why}", plan.path.display()))
-    })?;
+    let text =
+        text.map_err(|why| Wrong::Message(format!("cannot read {}: {why}", plan.path.display())))?;
     let name = plan.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let said = |is_right: bool| match is_right {
         true => Ok(()),
         false => Err(Wrong::Said(CompileError::Request)),
     };
     if name.ends_with(".test.toml") {
-        let tests =
-            test_file::read(plan.path, &text, &mut session.sources, &mut session.problems);
+        let tests = test_file::read(plan.path, &text, &mut session.sources, &mut session.problems);
         return said(tests.is_some());
     }
     if name == "mocc.toml" {
@@ -109,7 +107,9 @@ mod tests {
 
     #[test]
     fn a_design_has_a_goal() {
-        for text in ["[goal]\n", "model = 1\n[ goal ]", "goal = { minimize = \"x\" }", "goal.minimize = 1"] {
+        for text in
+            ["[goal]\n", "model = 1\n[ goal ]", "goal = { minimize = \"x\" }", "goal.minimize = 1"]
+        {
             assert!(is_design(text), "{text}");
         }
         assert!(!is_design("model = \"goal.mo\"\n[signals]\ngoal_mm = { variable = \"s\" }"));

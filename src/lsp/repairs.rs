@@ -33,10 +33,10 @@ fn repair(placed: &Placed, text: &str) -> Option<(usize, usize, String)> {
         return Some((placed.start, placed.start, ";".to_owned()));
     }
     if placed.diagnostic.code == "MO0005" {
-        let mut names = message.split('`').skip(1).step_by(2).filter_map(|n| n.strip_prefix("end "));
+        let mut names =
+            message.split('`').skip(1).step_by(2).filter_map(|n| n.strip_prefix("end "));
         let (expected, found) = (names.next()?, names.next()?);
-        return (written == found)
-            .then(|| (placed.start, placed.end, expected.to_owned()));
+        return (written == found).then(|| (placed.start, placed.end, expected.to_owned()));
     }
     let help = placed.diagnostic.help.as_deref()?;
     if let Some(name) = help.strip_prefix("did you mean `").and_then(|rest| rest.split('`').next())

@@ -251,9 +251,7 @@ impl<W: Write> Server<W> {
 impl<W: Write> Server<W> {
     /// The repairs of the diagnostics in the range of a request.
     fn repairs(&self, address: &str, message: &Json, text: &str) -> Json {
-        let place = |end| {
-            message.at(&["params", "range", end]).map_or(0, |p| offset_of(text, &p))
-        };
+        let place = |end| message.at(&["params", "range", end]).map_or(0, |p| offset_of(text, &p));
         let placed = self.documents.get(address).map_or(&[][..], |d| &d.placed);
         repairs::actions(placed, text, address, (place("start"), place("end")))
     }

@@ -262,6 +262,10 @@ fn iterate_with(
         if !repeat || effects.failed.is_some() {
             let now = (0..count).map(|k| machine.get(first + k));
             effects.changed |= now.zip(&before).any(|(a, b)| a != *b);
+            if machine.undetermined.take().is_some() {
+                // Whether that is so at the solution, too.
+                machine.run(&program.tapes.event)?;
+            }
             machine.run(&program.tapes.discrete)?;
             return Ok(effects);
         }
