@@ -112,6 +112,7 @@ fn phases(values: &[Complex]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::index::Id;
     use crate::ir::expr::VarId;
 
     /// `x'' + 2 D w x' + w^2 x = w^2 u`, output `x`: 0 dB far below `w`, -20 log10(2 D) and -90 degrees at `w`, and

@@ -35,11 +35,19 @@ pub fn report(dae: &mut Dae, blocks: &[Block], problems: &mut Problems) -> Vec<V
     }
     let mut check = SingularityCheck { values: ParameterValues::of(dae), dae };
     let mut harmless = Vec::new();
+    let mut is_repeated = false;
     for block in blocks {
         let Block::Torn(torn) = block else { continue };
-        let Some(singular) = check.singular(torn).or_else(|| check.repeated(torn)) else {
-            continue;
-        };
+        // Derivatives of equations that repeat each other do so, too: the first ones are reported.
+        if is_repeated {
+            break;
+        }
+        let singular = check.singular(torn).or_else(|| {
+            let found = check.repeated(torn);
+            is_repeated |= found.is_some();
+            found
+        });
+        let Some(singular) = singular else { continue };
         let free: Vec<VarId> = singular.free();
         let consequence = if check.contradicts(&singular) {
             Consequence::NoSolution

@@ -108,7 +108,7 @@ fn try_strategies<'p, T>(
     if outcome.as_ref().is_err_and(may_have_solution) && machine.tangents.is_none() {
         let saved = machine.save_fault();
         for &strategy in others {
-            machine.memory.copy_from_slice(&before);
+            machine.restore_from(&before);
             let found = attempt(machine, strategy);
             if found.is_ok() {
                 outcome = found;
