@@ -21,7 +21,7 @@ causes! {
             help("strings are in quotes, lists in brackets; the guide of the command shows complete files");
         /// A required key of a plan or test is missing.
         error MO1401 MissingKey { key: String }
-            => ("`{key}` is missing"), help("add `{key} = ...`");
+            => ("`{key}` is missing"), remedy(Some(addition(key)));
         /// A key of a plan, of a test or of settings is unknown.
         error MO1402 UnknownKey { key: String, near: Option<String>, known: String }
             => ("unknown key `{key}`"), remedy(did_you_mean_or(near, format!("known here: {known}")));
@@ -29,6 +29,11 @@ causes! {
         error MO1403 WrongType { key: String, expected: &'static str }
             => ("`{key}` must be {expected}"), help("write {expected}");
     }
+}
+
+/// How a key is added: `[[test]]` begins a table.
+fn addition(key: &str) -> String {
+    if key.starts_with('[') { format!("add a table `{key}`") } else { format!("add `{key} = ...`") }
 }
 
 /// Reads a document and collects the diagnostics about it.

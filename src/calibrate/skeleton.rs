@@ -74,7 +74,11 @@ pub fn skeleton(
         }
     }
     out.push_str("\n[free]\n");
-    let free = flat.variables.iter().filter(|v| is_parameter(v) && !used.contains(&v.name));
+    let is_free = |v: &&Variable| is_settable(v) && !used.contains(&v.name);
+    let is_own = |v: &&Variable| !v.name.contains('.');
+    // Those of the model itself; without any, those of its components that have values of their own.
+    let has_own = flat.variables.iter().any(|v| is_free(&v) && is_own(&v));
+    let free = flat.variables.iter().filter(|v| is_free(v) && (is_own(v) || !has_own));
     for (variable, value) in free.filter_map(|v| Some((v, value(flat, v)?))).take(MAX_FREE) {
         let (low, high) = (value * BOUNDS.0, value * BOUNDS.1);
         let (min, max) = (number(low.min(high)), number(low.max(high)));
@@ -106,7 +110,7 @@ fn conditions(
         if k == file || Some(k) == split || !is_numeric {
             continue;
         }
-        match matched(flat, column, is_parameter) {
+        match matched(flat, column, is_settable) {
             Some((parameter, unit)) => {
                 used.push(parameter.name.clone());
                 let (parameter, unit) = (quoted(&parameter.name), quoted(&unit));
@@ -151,8 +155,13 @@ fn split_unit(name: &str) -> (String, Option<(String, Unit)>) {
         let base = base.trim().trim_end_matches('_').to_owned();
         (!base.is_empty()).then_some((base, Some((unit, found))))
     };
-    for separator in ["[", "(", " in "] {
-        let parts = name.split_once(separator);
+    // From the end: the name itself may have brackets, as `tanks[1].h [cm]`.
+    let inner = name.trim_end().trim_end_matches([']', ')']);
+    for separator in ["[", "(", " in ", "/"] {
+        let is_bracket = matches!(separator, "[" | "(");
+        let whole = if is_bracket { inner } else { name };
+        let parts =
+            whole.rsplit_once(separator).filter(|_| !is_bracket || inner.len() < name.len());
         if let Some(found) = parts.and_then(|(base, unit)| of(base, unit, Unit::of)) {
             return found;
         }
@@ -207,12 +216,8 @@ fn likeness(base: &str, variable: &Variable) -> u32 {
     }
 }
 
-fn is_parameter(v: &Variable) -> bool {
-    v.ty == Type::Real
-        && v.variability == Variability::Parameter
-        && !v.structural
-        && !v.protected
-        && !v.name.contains('.')
+fn is_settable(v: &Variable) -> bool {
+    v.ty == Type::Real && v.variability == Variability::Parameter && !v.structural && !v.protected
 }
 
 /// The value of a parameter, if it is a number other than 0.
@@ -256,6 +261,11 @@ mod tests {
         assert_eq!(of("p2 [bar]"), expected("p2", "bar"));
         assert_eq!(of("flow (l/min)"), expected("flow", "l/min"));
         assert_eq!(of("stroke in mm"), expected("stroke", "mm"));
+        assert_eq!(of("tanks[1].h [cm]"), expected("tanks[1].h", "cm"));
+        assert_eq!(of("tanks[1].h (bar)"), expected("tanks[1].h", "bar"));
+        assert_eq!(of("tanks[1].h"), expected("tanks[1].h", ""));
+        assert_eq!(of("p/kPa"), expected("p", "kPa"));
+        assert_eq!(of("flow [m3/s]"), expected("flow", "m3/s"));
         assert_eq!(of("height"), expected("height", ""));
     }
 }

@@ -1,23 +1,27 @@
 //! `mocc check`: all problems of a model or a plan at once, for people or as JSON.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-
 use super::args::inspect::Check;
 use super::{Status, modelica_path, print, say};
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::{SourceMap, Span};
-use crate::calibrate::memory::Memory;
-use crate::calibrate::policy::FitPolicy;
-use crate::calibrate::run::{CalibrationError, Request, prepare};
 use crate::driver::compile::{CompileError, Session};
 use crate::io::json::Json;
+use crate::lsp::plans::{Plan, Wrong, check};
 
 /// Checks; status 0 without errors, 1 with some.
 pub fn run(options: &Check) -> Status {
     let mut session = Session::default();
     let checked = match options.plan() {
-        Some(plan) => check_plan(&mut session, plan),
+        Some(path) => {
+            let plan = Plan { path, text: None, modelica_path: modelica_path() };
+            check(&plan, &mut session).map_err(|wrong| match wrong {
+                Wrong::Said(error) => error,
+                Wrong::Message(why) => {
+                    eprintln!("error: {why}");
+                    CompileError::Request
+                }
+            })
+        }
         None => session.check(&options.request(), options.severity()),
     };
     if options.json {
@@ -36,31 +40,6 @@ pub fn run(options: &Check) -> Status {
         Ok(()) => Status::Done,
         Err(CompileError::Model) => Status::Model,
         Err(CompileError::Request) => Status::Usage,
-    }
-}
-
-/// Checks a plan: its recordings, its model, and that the model has everything that the plan names, in the same units.
-/// Nothing is run.
-fn check_plan(session: &mut Session, plan: &Path) -> Result<(), CompileError> {
-    session.parameters_vary = true;
-    let request = Request {
-        plan: plan.to_owned(),
-        // The code of an FMU is not loaded, so that any may be named.
-        memory: Arc::new(Memory { fmus: vec![PathBuf::from("/")], ..Memory::default() }),
-        data: None,
-        modelica_path: modelica_path(),
-        profiles: false,
-        policy: FitPolicy::default(),
-    };
-    let checked = prepare(&request, session)
-        .and_then(|prepared| prepared.problem(&session.sources, &mut session.problems).map(|_| ()));
-    match checked {
-        Ok(()) => Ok(()),
-        Err(CalibrationError::Invalid(error)) => Err(error),
-        Err(error) => {
-            eprintln!("error: {error}");
-            Err(CompileError::Request)
-        }
     }
 }
 

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use super::args::model::is_standard;
 use super::args::project::{Doc, PageFormat};
-use super::{Status, modelica_path, print};
+use super::{Status, modelica_path, print, standard_input};
 use crate::doc::classes::Classes;
 use crate::doc::pictures::Pictures;
 use crate::doc::{html, markdown};
@@ -42,6 +43,13 @@ fn make(options: &Doc) -> Result<String, String> {
     };
     let own = match &options.path {
         None => shipped(&request),
+        Some(path) if is_standard(path) => {
+            let text = standard_input();
+            let mut out = Vec::new();
+            parsed(&text, Path::new("stdin.mo"), "", &mut out);
+            (request.file, request.text) = (Some(path.clone()), Some(text));
+            out
+        }
         Some(path) if path.is_dir() => of_folder(path, &mut request)?,
         Some(path) => {
             let text =

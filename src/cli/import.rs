@@ -14,6 +14,10 @@ use crate::ir::foreign::ForeignModel;
 
 /// Runs the command. The FMU is read, but its code is not loaded.
 pub fn run(options: &Import) -> Status {
+    if is_standard(&options.file) {
+        eprintln!("error: a block names the file of its FMU; save the FMU, and give its file");
+        return Status::Usage;
+    }
     let stem = options.file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let class = options.name.clone().or(stem).unwrap_or_default();
     let output = options.output.clone().unwrap_or_else(|| PathBuf::from(format!("{class}.mo")));

@@ -20,7 +20,7 @@ pub fn steady_text(program: &Program, system: &Linearization) -> String {
     for (name, x, unit, kind) in lines {
         out.push_str(&format!("  {name:width$} = {}{unit}  ({kind})\n", number(*x)));
     }
-    out.push_str(&modes(system));
+    out.push_str(&modes(program, system));
     out
 }
 
@@ -62,12 +62,28 @@ pub fn system_text(program: &Program, system: &Linearization) -> String {
     for (name, cells) in &rows {
         line(name, &mut cells.iter().map(String::as_str));
     }
-    out.push_str(&modes(system));
+    out.push_str(&modes(program, system));
     out
 }
 
-/// The eigenvalues as time constants and oscillations.
-fn modes(system: &Linearization) -> String {
+/// States that are named with an eigenvalue at most.
+const MOST_NAMED: usize = 4;
+/// Least part of a state that is named.
+const LEAST_PART: f64 = 0.05;
+
+/// The states that take part in an eigenvalue, the greatest part first.
+fn named(program: &Program, system: &Linearization, parts: &[f64]) -> String {
+    let mut all: Vec<(&VarId, f64)> =
+        system.states.iter().zip(parts.iter().copied()).filter(|(_, p)| *p >= LEAST_PART).collect();
+    all.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let one =
+        |(state, part): &(&VarId, f64)| format!("{} {:.0} %", program.name(**state), 100.0 * part);
+    let names: Vec<String> = all.iter().take(MOST_NAMED).map(one).collect();
+    if names.is_empty() { String::new() } else { format!("; {}", names.join(", ")) }
+}
+
+/// The eigenvalues as time constants and oscillations, each with the states that take part in it.
+fn modes(program: &Program, system: &Linearization) -> String {
     let Some(all) = system.eigenvalues() else {
         return "the eigenvalues cannot be computed\n".to_owned();
     };
@@ -76,7 +92,8 @@ fn modes(system: &Linearization) -> String {
         out.push_str("  eigenvalues, 1/s\n");
     }
     let size = all.iter().map(|x| x.abs()).fold(0.0, f64::max);
-    for x in &all {
+    let parts = system.participation(&all).unwrap_or_default();
+    for (k, x) in all.iter().enumerate() {
         let what = match (x.re, x.im) {
             (_, im) if im < 0.0 => continue,
             _ if x.abs() <= 1e-12 * size || x.abs() == 0.0 => "an integrator".to_owned(),
@@ -94,7 +111,8 @@ fn modes(system: &Linearization) -> String {
             0.0 => number(x.re),
             im => format!("{} ± {}i", number(x.re), number(im)),
         };
-        out.push_str(&format!("    {shown}  {what}\n"));
+        let states = parts.get(k).map_or(String::new(), |parts| named(program, system, parts));
+        out.push_str(&format!("    {shown}  {what}{states}\n"));
     }
     out
 }

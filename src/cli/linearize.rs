@@ -1,14 +1,19 @@
 //! `mocc steady` and `mocc linearize`: where a model rests, and its linear system there or at another instant.
 
+use std::path::PathBuf;
+
 use super::args::linear::{At, Linearize, Point, Steady};
 use super::args::model::is_standard;
+use super::bode::bode;
 use super::linear_text::{steady_text, system_text};
-use super::{Status, print, running, say, write_result};
+use super::{Status, print, print_bytes, running, say, standard, write_result};
 use crate::driver::compile::Session;
 use crate::driver::ports::Ports;
+use crate::driver::quantity;
 use crate::io::json::Json;
 use crate::ir::expr::VarId;
 use crate::ir::program::Program;
+use crate::report::chart::{Chart, chart, svg};
 use crate::simulate::failure::Failure;
 use crate::simulate::linearize::{Linearization, linearize};
 use crate::simulate::operating_point::OperatingPoint;
@@ -21,7 +26,7 @@ pub fn steady(options: &Steady) -> Status {
         true => Wanted::Solved,
         false => Wanted::Settled,
     };
-    with_system(&options.point, wanted, &[], |program, system| {
+    with_system(&options.point, wanted, &[], &None, |program, system| {
         let text = steady_text(program, system);
         let all = Json::object([
             ("model", Json::text(program.blocks.dae.name.clone())),
@@ -30,6 +35,7 @@ pub fn steady(options: &Steady) -> Status {
             ("inputs", pairs(program, &system.inputs, &system.u)),
             ("outputs", pairs(program, &system.outputs, &system.y)),
             ("eigenvalues", eigenvalues(system)),
+            ("participation", participation(system)),
         ]);
         (text, all)
     })
@@ -41,7 +47,7 @@ pub fn run(options: &Linearize) -> Status {
         At::Steady => Wanted::Settled,
         At::Time(time) => Wanted::Time(time),
     };
-    with_system(&options.point, wanted, &options.outputs, |program, system| {
+    with_system(&options.point, wanted, &options.outputs, &options.bode, |program, system| {
         let (n, m, outputs) = (system.states.len(), system.inputs.len(), system.outputs.len());
         let names = |all: &[VarId]| Json::list(all.iter().map(|v| Json::text(program.name(*v))));
         let rows = |all: &[f64], count: usize, width: usize| {
@@ -62,6 +68,7 @@ pub fn run(options: &Linearize) -> Status {
             ("u", Json::numbers(&system.u)),
             ("y", Json::numbers(&system.y)),
             ("eigenvalues", eigenvalues(system)),
+            ("participation", participation(system)),
         ]);
         (system_text(program, system), all)
     })
@@ -80,6 +87,7 @@ fn with_system(
     options: &Point,
     wanted: Wanted,
     outputs: &[String],
+    picture: &Option<PathBuf>,
     show: impl FnOnce(&Program, &Linearization) -> (String, Json),
 ) -> Status {
     let mut session = Session { is_last: true, ..Session::default() };
@@ -106,15 +114,40 @@ fn with_system(
         Err(failure) => return running::failed(&failure, &session.sources),
     };
     let (text, all) = show(&program, &system);
-    match options.json.as_ref().map(|path| (path, write_result(path, all.pretty().as_bytes()))) {
-        None => print(&text),
-        Some((_, Err(why))) => {
+    let drawn = picture.as_ref().map(|_| bode(&program, &system)).transpose();
+    let written = drawn.and_then(|drawn| write(options, picture, drawn.as_ref(), &all));
+    match written {
+        Err(why) => {
             eprintln!("error: {why}");
             Status::Usage
         }
-        Some((path, Ok(_))) if is_standard(path) => Status::Done,
-        Some((_, Ok(written))) => print(&(text + &written)),
+        Ok(None) => Status::Done,
+        Ok(Some(written)) => print(&(text + &written)),
     }
+}
+
+/// Writes the JSON and the picture that are wanted: the lines that say so, `None` if one of them is on the standard output
+/// in place of the text.
+fn write(
+    options: &Point,
+    picture: &Option<PathBuf>,
+    drawn: Option<&Chart>,
+    all: &Json,
+) -> Result<Option<String>, String> {
+    let piped = standard::single(&[("--json", &options.json), ("--bode", picture)])?;
+    let mut lines = String::new();
+    if let Some(path) = &options.json {
+        lines += &write_result(path, all.pretty().as_bytes())?;
+    }
+    if let (Some(path), Some(drawn)) = (picture, drawn) {
+        if is_standard(path) {
+            print_bytes(svg(drawn).map_err(|e| e.to_string())?.as_bytes())?;
+        } else {
+            chart(drawn, path).map_err(|e| e.to_string())?;
+            lines += &format!("wrote {}\n", path.display());
+        }
+    }
+    Ok(piped.is_none().then_some(lines))
 }
 
 type Chosen = (Vec<VarId>, Vec<VarId>, Vec<(VarId, f64)>);
@@ -132,15 +165,23 @@ fn ports_of(
     let outputs = named(program, outputs).map_err(unknown)?;
     let mut given = Vec::new();
     for text in &options.inputs {
-        let wrong = || format!("`--input {text}`: write NAME=VALUE, a number in SI units");
+        let wrong =
+            || format!("`--input {text}`: write NAME=VALUE, a number in SI units or with its unit");
         let (name, value) = text.split_once('=').ok_or_else(wrong)?;
-        let value = value.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(wrong)?;
+        let value = quantity::read(value).filter(|x| x.value.is_finite()).ok_or_else(wrong)?;
         let at = ports.inputs.iter().position(|n| n == name.trim()).ok_or_else(|| {
             let known =
                 if ports.inputs.is_empty() { "none".into() } else { ports.inputs.join(", ") };
             format!("the model has no input `{}`; its inputs are: {known}", name.trim())
         })?;
-        given.push((inputs[at], value));
+        let declared = &program.blocks.dae.variables[inputs[at]].unit;
+        let own = quantity::scale_of(declared).filter(|_| !value.unit.is_empty());
+        if own.is_some_and(|(_, dimension)| dimension != value.dimension) {
+            let (name, unit) = (name.trim(), value.unit);
+            return Err(format!("`--input {text}`: `{name}` is in `{declared}`, not in `{unit}`"));
+        }
+        let shown = own.map_or(value.value, |(unit, _)| (value.value - unit.offset) / unit.factor);
+        given.push((inputs[at], shown));
     }
     Ok((inputs, outputs, given))
 }
@@ -165,6 +206,12 @@ fn point<'p>(
 fn pairs(program: &Program, names: &[VarId], values: &[f64]) -> Json {
     let one = |(v, x): (&VarId, &f64)| (program.name(*v).to_owned(), Json::number(*x));
     Json::object(names.iter().zip(values).map(one))
+}
+
+/// The part of each state in each eigenvalue, in their orders.
+fn participation(system: &Linearization) -> Json {
+    let all = system.eigenvalues().and_then(|values| system.participation(&values));
+    all.map_or(Json::null(), |all| Json::list(all.iter().map(|parts| Json::numbers(parts))))
 }
 
 fn eigenvalues(system: &Linearization) -> Json {

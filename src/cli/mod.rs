@@ -10,6 +10,7 @@ macro_rules! eprintln {
 }
 
 pub mod args;
+pub mod bode;
 pub mod budget;
 pub mod calibrate;
 pub mod check;
@@ -33,6 +34,7 @@ pub mod optimize;
 mod other_means;
 pub mod plan;
 pub mod plot;
+pub mod plot_table;
 pub mod progress;
 pub mod report;
 pub mod run_summary;

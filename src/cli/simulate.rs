@@ -17,7 +17,7 @@ use crate::base::diag::did_you_mean;
 use crate::base::render::render;
 use crate::base::source::SourceMap;
 use crate::driver::compile::{Request, Session};
-use crate::driver::quantity::scale_of;
+use crate::driver::quantity::{conversion, scale_of};
 use crate::io::format::Format;
 use crate::io::json::Json;
 use crate::io::printout::Printout;
@@ -143,7 +143,10 @@ pub fn run(options: &Simulate) -> Status {
     } else {
         let mut text = if options.events { events(&run.trajectory) } else { String::new() };
         if !options.quiet {
-            text.push_str(&summary(&program, &run, compiled, started_at.elapsed(), &written));
+            let piped = files.piped(options);
+            let kept = written.iter().filter(|path| Some(*path) != piped).cloned();
+            let kept: Vec<PathBuf> = kept.collect();
+            text.push_str(&summary(&program, &run, compiled, started_at.elapsed(), &kept));
         }
         if options.verbose {
             text.push_str(&stages(&session));
@@ -323,16 +326,15 @@ fn other_units(options: &Simulate, columns: &[Column]) -> Result<Vec<OtherUnit>,
             let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
             format!("--unit: the run records no variable `{name}`{near}")
         })?;
-        let (scale, dimension) =
-            scale_of(unit).ok_or_else(|| format!("--unit: `{unit}` is not a known unit"))?;
+        scale_of(unit).ok_or_else(|| format!("--unit: `{unit}` is not a known unit"))?;
         let declared = &columns[column].unit;
-        if scale_of(declared).is_none_or(|(_, own)| own != dimension) {
+        let Some(conversion) = conversion(declared, unit) else {
             let declared = if declared.is_empty() { "1" } else { declared };
             return Err(format!(
                 "--unit: `{name}` is in `{declared}`, which `{unit}` does not measure"
             ));
-        }
-        out.push(OtherUnit { column, unit: unit.clone(), scale });
+        };
+        out.push(OtherUnit { column, unit: unit.clone(), conversion });
     }
     Ok(out)
 }

@@ -8,13 +8,13 @@ use super::print;
 use super::progress::Progress;
 use super::writer::Writer;
 use crate::base::render::visible;
+use crate::driver::quantity::Conversion;
 use crate::io::csv::TableError;
 use crate::io::format::Format;
 use crate::io::printout::Printout;
 use crate::io::results::{Header, Results};
 use crate::ir::trajectory::{Column, ColumnStorage, Constant, Event, Kind, Trajectory};
 use crate::simulate::record::Sink;
-use crate::units::unit::Scale;
 
 /// So many curves are kept for a picture whose curves the user has not named.
 const MOST_KEPT: usize = 2000;
@@ -34,8 +34,8 @@ pub struct OtherUnit {
     pub column: usize,
     /// The unit.
     pub unit: String,
-    /// SI units per unit, and its zero in SI units.
-    pub scale: Scale,
+    /// How a value becomes one in this unit.
+    pub conversion: Conversion,
 }
 
 /// Writes rows as they come and keeps only variables that may be drawn, so that the memory of a large run is
@@ -124,9 +124,9 @@ impl Stream {
             return None;
         }
         let mut out = values.to_vec();
-        for OtherUnit { column, scale, .. } in &self.units {
+        for OtherUnit { column, conversion, .. } in &self.units {
             let cells = out.iter_mut().skip(*column).step_by(width.max(1));
-            cells.for_each(|value| *value = (*value - scale.offset) / scale.factor);
+            cells.for_each(|value| *value = conversion.of(*value));
         }
         Some(out)
     }

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use super::args::model::is_standard;
 use super::args::project::Test as Options;
-use super::{Status, modelica_path, print, say_problems, standard, write_result};
+use super::{Status, modelica_path, print, say_problems, standard, standard_input, write_result};
 use crate::base::diag::Problems;
 use crate::base::source::SourceMap;
 use crate::driver::files::read;
@@ -18,6 +19,8 @@ use crate::sweep::pool;
 
 /// The page with the changes, unless the user names another.
 const REVIEW: &str = "mocc-test.html";
+/// The test file on the standard input; its paths are relative to the working directory.
+const STANDARD: &str = "stdin.test.toml";
 /// Lines of a difference that are printed; the page has all of them.
 const MOST_LINES: usize = 40;
 
@@ -123,13 +126,18 @@ fn tests(options: &Options) -> Result<Vec<Test>, String> {
     let here = [".".into()];
     let paths = if options.paths.is_empty() { &here[..] } else { &options.paths };
     let mut files = Vec::new();
-    for path in paths {
+    for path in paths.iter().filter(|path| !is_standard(path)) {
         files.extend(discover(path)?);
     }
     files.sort();
     files.dedup();
     let (mut sources, mut problems) = (SourceMap::default(), Problems::new());
     let mut all = Vec::new();
+    if paths.iter().any(|path| is_standard(path)) {
+        let (file, text) = (Path::new(STANDARD), standard_input());
+        let read = test_file::read(file, &text, &mut sources, &mut problems);
+        all.extend(read.unwrap_or_default());
+    }
     for file in files {
         let file = file.strip_prefix(".").map(Into::into).unwrap_or(file);
         let text = read(&file).map_err(|why| format!("cannot read {}: {why}", file.display()))?;

@@ -22,13 +22,13 @@ pub fn allocate(e: &mut Emitter, blocks: &SortedBlocks) {
     for (i, v) in components.into_iter().enumerate() {
         slots[v.idx()] = Some(e.layout.states + i as Slot);
     }
-    e.layout.variables = slots
-        .into_iter()
-        .enumerate()
-        .map(|(v, s)| {
-            s.unwrap_or_else(|| e.new_slot(default_start(e.dae.variables[VarId::from_usize(v)].ty)))
-        })
-        .collect();
+    for v in e.dae.variables.ids() {
+        if slots[v.idx()].is_none() && e.dae.variables[v].kind != VariableKind::Parameter {
+            slots[v.idx()] = Some(e.new_slot(default_start(e.dae.variables[v].ty)));
+        }
+    }
+    // The slots of parameters follow.
+    e.layout.variables = slots.into_iter().map(Option::unwrap_or_default).collect();
     e.layout.derivatives = blocks.states.iter().map(|s| e.slot(s.derivative)).collect();
     let algebraics = blocks.algebraics.len();
     let residuals = e.new_slots(algebraics, 0.0);
@@ -39,6 +39,24 @@ pub fn allocate(e: &mut Emitter, blocks: &SortedBlocks) {
     e.layout.indicators = e.new_slots(relations, 0.0);
     allocate_pre(e, blocks);
     allocate_inputs(e, blocks);
+    allocate_parameters(e);
+}
+
+/// Allocates parameters and their inputs, which are contiguous: there may be thousands, as in tables, and they do not
+/// change during a run. What they are computed from follows.
+fn allocate_parameters(e: &mut Emitter) {
+    let first = e.image.len() as Slot;
+    for v in e.dae.variables.ids() {
+        if e.dae.variables[v].kind == VariableKind::Parameter {
+            e.layout.variables[v.idx()] = e.new_slot(default_start(e.dae.variables[v].ty));
+        }
+    }
+    for k in 0..e.dae.parameters.len() {
+        let v = e.dae.parameters[k].0;
+        let slot = e.new_slot(f64::NAN);
+        e.layout.parameter_inputs.push((v, slot));
+    }
+    e.layout.parameters = (first, e.image.len() as Slot);
 }
 
 /// Allocates `pre` of discrete variables, and of all others whose `pre` is read.
@@ -62,11 +80,6 @@ fn allocate_pre(e: &mut Emitter, blocks: &SortedBlocks) {
 
 /// Allocates slots for the values that a run may set; NaN means not set.
 fn allocate_inputs(e: &mut Emitter, blocks: &SortedBlocks) {
-    for k in 0..e.dae.parameters.len() {
-        let v = e.dae.parameters[k].0;
-        let slot = e.new_slot(f64::NAN);
-        e.layout.parameter_inputs.push((v, slot));
-    }
     let mut started: FastSet<VarId> = FastSet::default();
     for block in &blocks.initial {
         block.for_each_assignment(&mut |a| {

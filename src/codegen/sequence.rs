@@ -56,6 +56,7 @@ pub fn parameters(e: &mut Emitter, blocks: &SortedBlocks) {
             e.push(PARAMETER, Op::Input, dst, default, inputs[&v]);
         }
     }
+    e.layout.parameters.1 = e.image.len() as Slot;
     for (v, variable) in e.dae.variables.enumerate() {
         if variable.kind == VariableKind::Parameter && e.levels[v.idx()].is_none() {
             e.problems.push(error::undetermined(&variable.name, variable.span));

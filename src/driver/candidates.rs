@@ -7,9 +7,10 @@ use super::compile::{Request, Session};
 use super::dotted_name::at as word;
 use super::target::{Target, class_named, class_of, enclosing, modified, resolve};
 
-use crate::base::name::name;
+use crate::base::name::{Name, name};
 use crate::evaluate::Evaluator;
 use crate::ir::ast::{Class, Variability};
+use crate::ir::expr::{EnumId, Type};
 use crate::ir::instance::{ClassId, EntryKind};
 use crate::parse::token::TokenKind;
 
@@ -26,6 +27,8 @@ pub enum CandidateKind {
     Package,
     /// A keyword.
     Keyword,
+    /// A literal of an enumeration.
+    Literal,
 }
 
 /// A name that may be written.
@@ -54,9 +57,15 @@ impl Session {
                 .rfind(|c: char| !c.is_alphanumeric() && c != '_')
                 .map_or(0, |at| at + before[at..].chars().next().map_or(1, char::len_utf8));
             if let Some(stem) = before[..start].strip_suffix('.') {
-                let word = word(text, stem.len() as u32)?;
-                let target = resolve(cx, file, &word, stem.len() as u32)?;
+                let end = without_subscripts(stem).len() as u32;
+                let word = word(text, end)?;
+                let target = resolve(cx, file, &word, end)?;
                 let class = class_of(cx, &target)?;
+                if matches!(target, Target::Class(_))
+                    && let Some(Type::Enumeration(id)) = cx.table(class).scalar
+                {
+                    return Some(literals(cx, id));
+                }
                 return Some(members(cx, class, matches!(target, Target::Class(_)), false));
             }
             let (chain, _) = enclosing(file, offset)?;
@@ -69,14 +78,7 @@ impl Session {
             let mut out = members(cx, class, true, false);
             for package in cx.library.child_names("") {
                 if !out.iter().any(|known| known.name == package) {
-                    out.push(Candidate {
-                        name: package,
-                        kind: CandidateKind::Package,
-                        detail: "package".into(),
-                        description: String::new(),
-                        is_modifier: false,
-                        default: String::new(),
-                    });
+                    out.push(plain(&package, CandidateKind::Package, "package"));
                 }
             }
             Some(out)
@@ -88,17 +90,71 @@ impl Session {
             word.ends_with('.')
         });
         if !is_member && !out.iter().any(|c| c.is_modifier) {
-            out.extend(TokenKind::KEYWORDS.iter().map(|word| Candidate {
-                name: (*word).to_owned(),
-                kind: CandidateKind::Keyword,
-                detail: String::new(),
-                description: String::new(),
-                is_modifier: false,
-                default: String::new(),
-            }));
+            let keyword = |word: &&str| plain(word, CandidateKind::Keyword, "");
+            out.extend(TokenKind::KEYWORDS.iter().map(keyword));
         }
         out
     }
+}
+
+/// A dotted name without the subscripts at its end: `a.b[1]` is `a.b`.
+fn without_subscripts(stem: &str) -> &str {
+    let mut depth = 0;
+    for (at, c) in stem.char_indices().rev() {
+        match c {
+            ']' => depth += 1,
+            '[' => depth -= 1,
+            _ => {}
+        }
+        if depth == 0 {
+            return if c == '[' { &stem[..at] } else { stem };
+        }
+    }
+    stem
+}
+
+fn plain(name: &str, kind: CandidateKind, detail: &str) -> Candidate {
+    Candidate {
+        name: name.to_owned(),
+        kind,
+        detail: detail.to_owned(),
+        description: String::new(),
+        is_modifier: false,
+        default: String::new(),
+    }
+}
+
+/// The literals of an enumeration.
+fn literals(cx: &Evaluator<'_>, id: EnumId) -> Vec<Candidate> {
+    let known = &cx.graph.enumerations[id];
+    let literal = |name: &Name| plain(name, CandidateKind::Literal, &known.name);
+    known.literals.iter().map(literal).collect()
+}
+
+/// The attributes of a predefined type, which are modified.
+fn attributes(ty: Type) -> Vec<Candidate> {
+    let of = |name: &str, detail: &str| Candidate {
+        is_modifier: true,
+        ..plain(name, CandidateKind::Parameter, detail)
+    };
+    let own = match ty {
+        Type::Real => "Real",
+        Type::Integer => "Integer",
+        Type::Boolean => "Boolean",
+        Type::String => "String",
+        Type::Enumeration(_) => "enumeration",
+        Type::Clock => return Vec::new(),
+    };
+    let mut out = vec![of("start", own), of("fixed", "Boolean")];
+    if matches!(ty, Type::Real | Type::Integer | Type::Enumeration(_)) {
+        out.extend(["min", "max"].map(|name| of(name, own)));
+    }
+    if ty == Type::Real {
+        out.extend(["unit", "displayUnit"].map(|name| of(name, "String")));
+        out.extend([of("nominal", "Real"), of("stateSelect", "StateSelect")]);
+    }
+    out.push(of("quantity", "String"));
+    out
 }
 
 /// The elements of a class that may be named from outside, or from inside; those that may be modified.
@@ -143,6 +199,9 @@ fn members(cx: &mut Evaluator<'_>, class: ClassId, inside: bool, modified: bool)
                 out.push(of_class(&text));
             }
         }
+    }
+    if modified && let Some(ty) = table.scalar {
+        return attributes(ty);
     }
     if modified {
         // Parameters are what is modified most.

@@ -37,6 +37,10 @@ causes! {
         error MO0110 NoSuchFolder { folder: String }
             => ("there is no folder `{folder}`"),
             help("name the folder that contains the library with `--lib DIR`; it is read from the folder where mocc runs");
+        /// A file is of another kind, by its extension.
+        error MO0111 NotAModelFile { path: String, why: &'static str }
+            => ("`{path}` is not a file of models, which ends in `.mo` or `.mol`"),
+            help("{why}");
         /// A flat model is too large to be printed.
         error MO0275 FlatModelTooLarge { why: String }
             => ("{why}"),

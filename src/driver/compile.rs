@@ -142,9 +142,10 @@ impl Session {
     pub(super) fn flatten_by<T>(
         &mut self,
         request: &Request,
-        by: impl FnOnce(&mut Evaluator<'_>, ClassId, &[Rc<ParameterOverride>]) -> T,
+        mut by: impl FnMut(&mut Evaluator<'_>, ClassId, &[Rc<ParameterOverride>]) -> T,
         flat: impl Fn(&T) -> &FlatModel,
     ) -> Result<T, CompileError> {
+        let before = self.problems.clone();
         let begun = Instant::now();
         let request = &*self.with_foreign(request)?;
         let mut library = Library::new(super::files::folders(request));
@@ -152,10 +153,10 @@ impl Session {
         self.checked(CompileError::Model)?;
         let mut settings = Vec::with_capacity(request.settings.len());
         let mut quantities = Vec::new();
-        for text in &request.settings {
+        for (at, text) in request.settings.iter().enumerate() {
             let text = match quantity::in_si(text) {
                 Ok((text, given)) => {
-                    quantities.extend(given);
+                    quantities.extend(given.map(|given| (at, given)));
                     text
                 }
                 Err(cause) => {
@@ -198,9 +199,16 @@ impl Session {
         let only_settings = self.problems.iter().all(of_setting);
         self.checked(if only_settings { CompileError::Request } else { CompileError::Model })?;
         verify::after("flatten", "flat", || verify::flat::check(flat(&made)));
-        self.compare_quantities(flat(&made), &quantities);
+        let converted = self.compare_quantities(flat(&made), &quantities);
         self.checked(CompileError::Request)?;
-        Ok(made)
+        if converted.is_empty() {
+            return Ok(made);
+        }
+        // The units of parameters are known only now: their values may be those of sizes and conditions.
+        let mut request = request.clone();
+        converted.into_iter().for_each(|(at, text)| request.settings[at] = text);
+        self.problems = before;
+        self.flatten_by(&request, by, flat)
     }
 
     /// The full names of the classes of a package, sorted; the empty name is the top level.
@@ -316,6 +324,12 @@ impl Session {
         if request.text.is_none() && is_fmu(path) {
             self.problems
                 .push(needs_equations(path, "this command needs the equations of a model"));
+            return Err(CompileError::Request);
+        }
+        if let Some(why) = super::files::other_kind(path) {
+            let path = path.display().to_string();
+            self.problems
+                .push(Diagnostic::new(RequestCause::NotAModelFile { path, why }, Span::NONE));
             return Err(CompileError::Request);
         }
         let path = if request.text.is_some() && path == Path::new("-") {

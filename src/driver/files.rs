@@ -356,3 +356,18 @@ pub fn folders(request: &Request) -> Vec<Box<dyn Folder>> {
 pub fn read_library(path: &Path) -> std::io::Result<Vec<u8>> {
     std::fs::read(path)
 }
+
+/// What a file is for that is no file of models, by its extension; `None` for any other.
+pub(super) fn other_kind(path: &Path) -> Option<&'static str> {
+    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    match extension.as_str() {
+        "toml" => Some(
+            "a plan is for `mocc calibrate`, `diagnose`, `evaluate` and `optimize`, a test file for `mocc test`",
+        ),
+        "csv" | "mat" | "parquet" => {
+            Some("`mocc plot` draws a table, and `mocc compare` compares two")
+        }
+        "html" | "svg" | "png" | "json" => Some("name the file that contains the model"),
+        _ => None,
+    }
+}

@@ -9,9 +9,11 @@ use std::sync::Arc;
 use super::catalogue::kind;
 use super::compile::{Request, Session};
 use super::dotted_name::at as word;
+use super::subject::find;
 use super::target::{Target, class_named, enclosing, modified_name, resolve};
 
 use crate::base::diag::Problems;
+use crate::base::name::name;
 use crate::base::source::Span;
 use crate::classes::ClassGraph;
 use crate::evaluate::Evaluator;
@@ -77,6 +79,25 @@ impl Session {
     pub fn occurrences_of(&mut self, request: &Request, found: &Found) -> Vec<(u32, u32)> {
         let places = self.with_text(request, |cx, file, text| places(cx, file, text, found));
         places.unwrap_or_default()
+    }
+
+    /// Whether the class that declares the name at `offset` has an element `new`, too.
+    pub fn is_beside(&mut self, request: &Request, offset: u32, new: &str) -> bool {
+        let found = self.with_text(request, |cx, file, text| {
+            match resolve(cx, file, &word(text, offset)?, offset)? {
+                Target::Component(entry) => {
+                    Some(cx.table(entry.class).index.contains_key(&name(new)))
+                }
+                Target::Class(class) => {
+                    let full = cx.classes[class].full_name.to_string();
+                    let beside = full
+                        .rsplit_once('.')
+                        .map_or(new.to_owned(), |(outer, _)| format!("{outer}.{new}"));
+                    Some(find(cx, &beside).is_some())
+                }
+            }
+        });
+        found.flatten().unwrap_or(false)
     }
 
     /// Calls `by` with the classes that the text can see.

@@ -3,7 +3,7 @@
 use crate::base::cause::causes;
 use crate::base::diag::{did_you_mean, did_you_mean_or};
 use crate::units::dimension::Dimension;
-use crate::units::unit::{Scale, Unit};
+use crate::units::unit::{Scale, Unit, is_frequency, measures_angle};
 
 causes! {
     /// Causes found in values with units.
@@ -22,6 +22,31 @@ causes! {
     }
 }
 
+/// How a value in one unit becomes one in another.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Conversion {
+    from: Scale,
+    to: Scale,
+}
+
+impl Conversion {
+    /// The value in the other unit.
+    pub fn of(self, value: f64) -> f64 {
+        (value * self.from.factor + self.from.offset - self.to.offset) / self.to.factor
+    }
+}
+
+/// How a value in one unit becomes one in another. `None` if the units measure something else,
+/// or one of them is unknown. A frequency in `Hz` and a speed in `rad/s` differ by a turn, which no unit says: they are
+/// not converted.
+pub fn conversion(source: &str, target: &str) -> Option<Conversion> {
+    let (from, dimension) = scale_of(source)?;
+    let (to, wanted) = scale_of(target)?;
+    let confused = is_frequency(source) && measures_angle(target)
+        || is_frequency(target) && measures_angle(source);
+    (dimension == wanted && !confused).then_some(Conversion { from, to })
+}
+
 /// A value with a unit.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Quantity {
@@ -31,6 +56,23 @@ pub struct Quantity {
     pub unit: String,
     /// What it measures.
     pub dimension: Dimension,
+}
+
+impl Quantity {
+    /// A number without a unit.
+    pub fn plain(value: f64) -> Quantity {
+        Quantity { value, unit: String::new(), dimension: Dimension::ONE }
+    }
+
+    /// The value in a unit that a model declares; one without a unit is in that unit already. `None` if it cannot be
+    /// converted.
+    pub fn in_unit(&self, declared: &str) -> Option<f64> {
+        if self.unit.is_empty() {
+            return Some(self.value);
+        }
+        let (own, _) = scale_of(declared)?;
+        conversion(&self.unit, declared).map(|_| tidy((self.value - own.offset) / own.factor))
+    }
 }
 
 /// Reads a number, or a number with a unit.
@@ -45,10 +87,8 @@ pub fn read(text: &str) -> Option<Quantity> {
 pub(super) struct Given {
     /// The parameter.
     pub name: String,
-    /// The unit as written.
-    pub unit: String,
-    /// What it measures.
-    pub dimension: Dimension,
+    /// Its value.
+    pub quantity: Quantity,
 }
 
 /// A setting `NAME=NUMBER UNIT` as one in SI units, and its unit; a setting without a unit as it is.
@@ -65,8 +105,8 @@ pub(super) fn in_si(setting: &str) -> Result<(String, Option<Given>), QuantityCa
         return Err(QuantityCause::UnknownUnit { setting, unit, near });
     };
     let name = name.trim().to_owned();
-    let given = Given { name: name.clone(), unit: unit.to_owned(), dimension: found.dimension };
-    Ok((format!("{name}={:?}", found.value), Some(given)))
+    let text = format!("{name}={:?}", found.value);
+    Ok((text, Some(Given { name, quantity: found })))
 }
 
 /// The size and zero of a unit of the user, in SI units, and what it measures.
@@ -139,6 +179,25 @@ mod tests {
         for other in ["x", "6 baar", "2*3", "{1, 2}", "1 + 2", "", "\"6 bar\""] {
             assert_eq!(of(other), None, "{other}");
         }
+    }
+
+    #[test]
+    fn values_are_in_the_unit_of_the_declaration() {
+        let of = |text: &str, declared: &str| read(text).and_then(|q| q.in_unit(declared));
+        assert_eq!(of("3e5 Pa", "bar"), Some(3.0));
+        assert_eq!(of("30 degC", "degC"), Some(30.0));
+        assert_eq!(of("300 K", "degC"), Some(26.85));
+        assert_eq!(of("20 degC", "K"), Some(293.15));
+        assert_eq!(of("60 rpm", "rpm"), Some(60.0));
+        assert_eq!(of("7", "bar"), Some(7.0));
+        assert_eq!(of("50 %", ""), Some(0.5));
+        for (text, declared) in
+            [("3 m", "bar"), ("10 Hz", "rad/s"), ("3 rpm", "Hz"), ("1 m", "furlong")]
+        {
+            assert_eq!(of(text, declared), None, "{text} in {declared}");
+        }
+        let degrees = conversion("degC", "degF").unwrap();
+        assert!((degrees.of(20.0) - 68.0).abs() < 1e-9);
     }
 
     #[test]

@@ -58,7 +58,10 @@ pub(super) fn model(
     if !cx.problems.has_errors() {
         let mut names: Vec<String> = file.map(models).unwrap_or_default();
         names.extend(cx.library.child_names(""));
-        let near = did_you_mean(&wanted, names.iter().map(String::as_str)).map(str::to_owned);
+        // The last part of a full name is what many take for the name.
+        let inside = names.iter().find(|name| name.rsplit('.').next() == Some(wanted.as_str()));
+        let alike = || did_you_mean(&wanted, names.iter().map(String::as_str)).map(str::to_owned);
+        let near = inside.cloned().or_else(alike);
         let cause = RequestCause::UnknownModel { name: wanted, near };
         cx.problems.push(Diagnostic::new(cause, Span::NONE));
         // Its name is in the command line.

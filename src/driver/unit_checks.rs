@@ -27,16 +27,24 @@ impl Session {
         }
     }
 
-    /// Refuses values whose units measure something else than their parameters.
-    pub(super) fn compare_quantities(&mut self, flat: &FlatModel, quantities: &[quantity::Given]) {
-        for given in quantities {
+    /// Refuses values whose units measure something else than their parameters. Returns the settings whose values in SI
+    /// units are not those in the units of their parameters, with these.
+    pub(super) fn compare_quantities(
+        &mut self,
+        flat: &FlatModel,
+        quantities: &[(usize, quantity::Given)],
+    ) -> Vec<(usize, String)> {
+        let mut converted = Vec::new();
+        for (at, given) in quantities {
             let Some(variable) = flat.variables.iter().find(|v| v.name == given.name) else {
                 continue;
             };
-            let declared = quantity::scale_of(&variable.unit);
-            if declared.is_none_or(|(scale, dimension)| {
-                dimension != given.dimension || (scale.factor - 1.0).abs() > 1e-12
-            }) {
+            let value = given.quantity.in_unit(&variable.unit);
+            if let Some(value) = value {
+                if value != given.quantity.value {
+                    converted.push((*at, format!("{}={value:?}", given.name)));
+                }
+            } else {
                 let cause = quantity::QuantityCause::WrongUnit {
                     name: given.name.clone(),
                     declared: if variable.unit.is_empty() {
@@ -44,10 +52,11 @@ impl Session {
                     } else {
                         variable.unit.to_string()
                     },
-                    unit: given.unit.clone(),
+                    unit: given.quantity.unit.clone(),
                 };
                 self.problems.push(Diagnostic::new(cause, variable.span));
             }
         }
+        converted
     }
 }

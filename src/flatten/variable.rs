@@ -198,9 +198,10 @@ fn attributes(
             *slot(&mut flat.variables[v]) = e;
         }
     }
-    if let Some((all, _)) = value(cx, names.fixed, true) {
+    if let Some((all, span)) = value(cx, names.fixed, true) {
         for (k, e) in all.elements().iter().enumerate() {
-            let constant = e.scalar().and_then(|e| cx.graph.as_const(e));
+            let e = e.scalar().and_then(|e| converted(cx, e, Type::Boolean, span, &names.fixed));
+            let constant = e.and_then(|e| cx.graph.as_const(e));
             let fixed = match constant {
                 Some(Const::Boolean(b)) => Some(b),
                 _ => None,
@@ -211,9 +212,10 @@ fn attributes(
     let strings: [(Name, AttributeField<Name>); 2] =
         [(names.unit, |v| &mut v.unit), (names.display_unit, |v| &mut v.display_unit)];
     for (text, slot) in strings {
-        let Some((all, _)) = value(cx, text, true) else { continue };
+        let Some((all, span)) = value(cx, text, true) else { continue };
         for (k, e) in all.elements().iter().enumerate() {
-            if let Some(Const::String(s)) = e.scalar().and_then(|e| cx.graph.as_const(e)) {
+            let e = e.scalar().and_then(|e| converted(cx, e, Type::String, span, &text));
+            if let Some(Const::String(s)) = e.and_then(|e| cx.graph.as_const(e)) {
                 *slot(&mut flat.variables[VarId(first.0 + k as u32)]) = s;
             }
         }

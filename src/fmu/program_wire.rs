@@ -172,6 +172,7 @@ wire_struct!(Layout {
     delays,
     transports,
     starts,
+    parameters,
 });
 wire_struct!(Tapes {
     parameters,

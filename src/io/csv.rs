@@ -258,6 +258,12 @@ pub enum ReadError {
         /// The file.
         path: PathBuf,
     },
+    /// There is one column where there must be several.
+    #[error("{} is not a table: its first line does not name two columns or more", path.display())]
+    OneColumn {
+        /// The file.
+        path: PathBuf,
+    },
     /// Two columns have the same name, or a column has none.
     #[error("{}:1: column {column}: {what}", path.display())]
     Name {
@@ -308,18 +314,20 @@ pub enum ReadError {
     },
 }
 
-/// Reads a table of numbers with a header; the first column is the time in s, whatever its name.
+/// Reads a table of numbers with a header; the column `time`, or without one the first, is the time in s.
 /// The columns have no units and count as continuous. Spaces around fields and a byte order mark
 /// are skipped.
 pub fn read_csv(path: impl AsRef<Path>) -> Result<Trajectory, ReadError> {
     trajectory_of(path.as_ref(), read_text(&path)?)
 }
 
-/// The trajectory of a table, which `path` names in messages; its first column is the time.
+/// The trajectory of a table, which `path` names in messages; its column `time`, or else its first, is the time.
 pub fn trajectory_of(path: &Path, table: TextTable) -> Result<Trajectory, ReadError> {
     let at = || path.to_path_buf();
     let names = table.names;
-    let mut run = Trajectory::new(names[1..].iter().map(|n| Column::new(n.as_str(), "")).collect());
+    let time = names.iter().position(|n| matches!(n.as_str(), "time" | "Time")).unwrap_or(0);
+    let others = names.iter().enumerate().filter(|(k, _)| *k != time);
+    let mut run = Trajectory::new(others.map(|(_, n)| Column::new(n.as_str(), "")).collect());
     let mut values = vec![0.0; names.len()];
     for (line, record) in table.rows {
         for (i, field) in record.iter().enumerate() {
@@ -328,6 +336,8 @@ pub fn trajectory_of(path: &Path, table: TextTable) -> Result<Trajectory, ReadEr
                 ReadError::NotANumber { path: at(), line, column: i + 1, name, text }
             })?;
         }
+        // The time before the others, which keep their order.
+        values[..=time].rotate_right(1);
         if let Some(&before) = run.time.last().filter(|&&before| values[0] < before) {
             let after = values[0];
             return Err(ReadError::TimeDecreases { path: at(), line, before, after });
@@ -354,7 +364,8 @@ impl TextTable {
 }
 
 /// Reads a table of strings with a header. Spaces around fields and a byte order mark are skipped.
-/// Fields are separated by commas, or by semicolons or tabs if the header has no comma.
+/// Fields are separated by commas, or by semicolons or tabs if the header has no comma. Between semicolons a number may
+/// have a decimal comma.
 pub fn read_text(path: impl AsRef<Path>) -> Result<TextTable, ReadError> {
     let path = path.as_ref();
     let open = |source| ReadError::Open { path: path.to_path_buf(), source };
@@ -365,10 +376,11 @@ pub fn read_text(path: impl AsRef<Path>) -> Result<TextTable, ReadError> {
 pub fn table_of(path: &Path, bytes: &[u8]) -> Result<TextTable, ReadError> {
     let at = || path.to_path_buf();
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let separator = delimiter(bytes);
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
-        .delimiter(delimiter(bytes))
+        .delimiter(separator)
         .trim(csv::Trim::All)
         .from_reader(bytes);
     let mut record = csv::StringRecord::new();
@@ -395,9 +407,20 @@ pub fn table_of(path: &Path, bytes: &[u8]) -> Result<TextTable, ReadError> {
             let (found, expected) = (record.len(), names.len());
             return Err(ReadError::FieldCount { path: at(), line, found, expected });
         }
-        rows.push((line, record.iter().map(str::to_owned).collect()));
+        let field = |text: &str| match separator {
+            b';' => with_point(text),
+            _ => text.to_owned(),
+        };
+        rows.push((line, record.iter().map(field).collect()));
     }
     Ok(TextTable { names, rows })
+}
+
+/// A number with a decimal comma as one with a point; another text as it is.
+fn with_point(text: &str) -> String {
+    let changed = || Some(text.replace(',', ".")).filter(|plain| plain.parse::<f64>().is_ok());
+    let is_one = text.matches(',').count() == 1;
+    if is_one { changed() } else { None }.unwrap_or_else(|| text.to_owned())
 }
 
 /// Counts lines up to the current record.

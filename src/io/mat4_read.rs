@@ -51,6 +51,7 @@ fn run(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Trajectory, String
     let transposed = class.text(false, 3) == "binTrans";
     let (names, info) = (find("name")?, find("dataInfo")?);
     let data = find("data_2")?;
+    let described = all.iter().find(|m| m.name == "description");
     let constants = all.iter().find(|m| m.name == "data_1");
     let rows = if transposed { data.columns } else { data.rows };
     let row_of = |matrix: &Matrix, index: f64| -> Option<Vec<f64>> {
@@ -76,11 +77,18 @@ fn run(bytes: &[u8], wanted: &dyn Fn(&str) -> bool) -> Result<Trajectory, String
             }
             _ => row_of(data, entry(1)?).ok_or_else(broken)?,
         };
-        out.columns.push(Column::new(name, ""));
+        let unit = described.map_or(String::new(), |all| unit_of(&all.text(transposed, k)));
+        out.columns.push(Column::new(name, unit));
         out.data.push(Arc::new(values));
     }
     out.verify().map_err(|fault| fault.to_string())?;
     Ok(out)
+}
+
+/// The unit at the end of a description, `Stroke [m]` or `Pressure [Pa|bar]`; empty without one.
+fn unit_of(description: &str) -> String {
+    let inner = description.trim_end().strip_suffix(']').and_then(|text| text.rsplit_once('['));
+    inner.map_or(String::new(), |(_, units)| units.split('|').next().unwrap_or_default().into())
 }
 
 /// All matrices of a file of level 4.

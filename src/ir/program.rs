@@ -374,6 +374,9 @@ pub struct Layout {
     /// Start values that a run may set: variable, input slot (NaN: not set), slot of the start
     /// value.
     pub starts: Vec<(VarId, Slot, Slot)>,
+    /// Slots from the first to before the second hold parameters, their inputs and what they are computed from: only
+    /// the tape of parameters writes them, and copies of the memory within a run leave them out.
+    pub parameters: (Slot, Slot),
 }
 
 /// A delayed variable.

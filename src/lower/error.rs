@@ -52,6 +52,10 @@ causes! {
         error MO0325 PreOfContinuous { name: String } (section "3.7.5")
             => ("`pre({name})` outside of a when-clause: `{name}` is continuous"),
             help("use it in a `when`, or `delay({name}, T)` for an earlier value");
+        /// A discrete variable has two different first values.
+        error MO0335 TwoFirstValues { name: String } (section "8.6")
+            => ("`{name}` has two different values at the start"),
+            help("keep one of them: an initial equation, or `fixed = true`");
         /// The interval of `sample` varies.
         error MO0311 VaryingSample (section "3.7.5")
             => ("the start and the interval of `sample` must be parameter expressions"),
@@ -126,6 +130,14 @@ pub fn assigned_twice(v: &dae::Variable, first: &Origin, second: &Origin) -> Dia
     Diagnostic::new(LoweringCause::AssignedTwice { name: v.name.clone() }, second.span)
         .label("assigned again here")
         .also(first.span, "assigned here first")
+}
+
+/// A discrete variable whose first value is given twice, with different values.
+pub fn two_first_values(v: &dae::Variable, origin: &Origin) -> Diagnostic {
+    let cause = LoweringCause::TwoFirstValues { name: v.name.clone() };
+    Diagnostic::new(cause, origin.span)
+        .label("another value here")
+        .also(v.span, format!("start of `{}`", v.name))
 }
 
 /// A discrete variable without an equation.

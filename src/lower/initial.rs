@@ -4,7 +4,7 @@ use super::rewriting::{RelationMode, Rewriting};
 use super::{DiscreteEquations, error};
 use crate::base::index::FastSet;
 use crate::ir::dae::{self, VariableKind};
-use crate::ir::expr::{ExprId, Node, Type, VarId};
+use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
 use crate::ir::flat::{Equation, EquationKind, Origin, Variability};
 
 /// The initial equations of continuous variables and parameters. An equation for the first value of
@@ -162,6 +162,8 @@ fn equal(
                 return first_value(v, value, origin, discrete, r);
             }
             Node::Pre(v) if r.variability(value) <= Variability::Parameter => {
+                let is_given = pre.given.contains(&v) || r.variables[v].fixed == Some(true);
+                refuse_another(v, value, is_given, origin, r);
                 r.variables[v].start = Some(value);
                 pre.given.insert(v);
                 return;
@@ -186,6 +188,17 @@ fn equal(
     equations.push(dae::Equation { lhs, rhs, residual, origin, derivative_of: None });
 }
 
+/// Reports a first value that differs from the one that a variable has already.
+fn refuse_another(v: VarId, value: ExprId, is_given: bool, origin: &Origin, r: &mut Rewriting<'_>) {
+    let number = |e: ExprId| r.graph.as_const(e).map(Const::register);
+    let known = r.variables[v].start.filter(|_| is_given).and_then(number);
+    if let (Some(known), Some(value)) = (known, number(value))
+        && known != value
+    {
+        r.problems.push(error::two_first_values(&r.variables[v], origin));
+    }
+}
+
 fn first_value(
     v: VarId,
     value: ExprId,
@@ -194,6 +207,8 @@ fn first_value(
     r: &mut Rewriting<'_>,
 ) {
     if r.variability(value) <= Variability::Parameter {
+        let is_given = r.variables[v].fixed == Some(true);
+        refuse_another(v, value, is_given, origin, r);
         r.variables[v].start = Some(value);
     }
     let Some(&place) = discrete.of.get(&v) else {

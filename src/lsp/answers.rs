@@ -9,6 +9,7 @@ use crate::driver::compile::{Request, Session};
 use crate::driver::lookup::Found;
 use crate::io::atomic_file::{create_folder, write_file};
 use crate::io::json::Json;
+use crate::parse::token::TokenKind;
 
 use super::position::{address_of, range};
 use super::workspace::{Referring, referring};
@@ -86,6 +87,12 @@ pub fn rename(
     if !is_name {
         return Err(format!("`{new}` is not a name"));
     }
+    if TokenKind::KEYWORDS.contains(&new) {
+        return Err(format!("`{new}` is a keyword"));
+    }
+    if Session::default().is_beside(request, offset as u32, new) {
+        return Err(format!("there is already a `{new}` in this class"));
+    }
     let found = referring(request, offset, open);
     let (found, all) = found.ok_or("there is no name that can be changed here")?;
     // A declaration outside of the files that are searched would keep its name.
@@ -113,6 +120,7 @@ pub fn completion(request: &Request, offset: usize) -> Json {
             CandidateKind::Class => 7,
             CandidateKind::Package => 9,
             CandidateKind::Keyword => 14,
+            CandidateKind::Literal => 20,
         };
         let inserted = if c.is_modifier { format!("{} = ", c.name) } else { c.name.clone() };
         let detail = match c.default.as_str() {

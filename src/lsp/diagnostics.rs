@@ -1,10 +1,13 @@
 //! Diagnostics of a text, as `mocc check` reports them.
 
+use std::path::Path;
+
 use crate::base::diag::{Diagnostic, Severity};
 use crate::base::source::Span;
 use crate::driver::compile::{Request, Session};
 use crate::io::json::Json;
 
+use super::plans::{self, Plan};
 use super::position::{address_of, range};
 
 /// A diagnostic of the text itself: its place, bytes, and the rest.
@@ -23,9 +26,21 @@ pub fn check(request: &Request) -> (Vec<Placed>, Session) {
     let mut session = Session::default();
     // The diagnostics say whether it failed.
     let _ = session.check(request, Severity::Warning);
+    (placed(&session, request.file.as_deref()), session)
+}
+
+/// The diagnostics of a plan, of tests or of settings.
+pub fn check_plan(plan: &Plan<'_>) -> (Vec<Placed>, Session) {
+    let mut session = Session::default();
+    // What is no diagnostic is about files that cannot be read, which come and go.
+    let _ = plans::check(plan, &mut session);
+    (placed(&session, Some(plan.path)), session)
+}
+
+fn placed(session: &Session, own: Option<&Path>) -> Vec<Placed> {
     let is_own = |span: Span| {
         let file = session.sources.get(span.file).map(|file| file.path.as_path());
-        file == request.file.as_deref()
+        file == own
     };
     let place = |d: &&Diagnostic| {
         let span = d.primary.0;
@@ -33,8 +48,19 @@ pub fn check(request: &Request) -> (Vec<Placed>, Session) {
             if is_own(span) { (span.start as usize, span.end as usize) } else { (0, 0) };
         Placed { start, end, diagnostic: (*d).clone() }
     };
-    let placed = session.problems.sorted().iter().map(place).collect();
-    (placed, session)
+    let mut out: Vec<Placed> = Vec::new();
+    for one in session.problems.sorted().iter().map(place) {
+        // The same mistake is found in each component of a class; once is enough where it was made.
+        let is_same = |known: &Placed| {
+            let (a, b) = (&known.diagnostic, &one.diagnostic);
+            (known.start, known.end, a.code, &a.help) == (one.start, one.end, b.code, &b.help)
+                && one.end > 0
+        };
+        if !out.iter().any(is_same) {
+            out.push(one);
+        }
+    }
+    out
 }
 
 /// Diagnostics as the protocol writes them.

@@ -14,6 +14,7 @@ pub mod lenses;
 pub mod message;
 pub mod outline;
 pub mod plan_keys;
+pub mod plans;
 pub mod position;
 pub mod repairs;
 pub mod server;

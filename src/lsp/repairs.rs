@@ -27,8 +27,18 @@ pub fn actions(all: &[Placed], text: &str, address: &str, (start, end): (usize, 
 
 /// The bytes that a repair replaces, and the new text.
 fn repair(placed: &Placed, text: &str) -> Option<(usize, usize, String)> {
-    let help = placed.diagnostic.help.as_deref()?;
+    let message = &placed.diagnostic.message;
     let written = text.get(placed.start..placed.end)?;
+    if placed.diagnostic.code == "MO0003" && message.starts_with("expected `;` after") {
+        return Some((placed.start, placed.start, ";".to_owned()));
+    }
+    if placed.diagnostic.code == "MO0005" {
+        let mut names =
+            message.split('`').skip(1).step_by(2).filter_map(|n| n.strip_prefix("end "));
+        let (expected, found) = (names.next()?, names.next()?);
+        return (written == found).then(|| (placed.start, placed.end, expected.to_owned()));
+    }
+    let help = placed.diagnostic.help.as_deref()?;
     if let Some(name) = help.strip_prefix("did you mean `").and_then(|rest| rest.split('`').next())
     {
         // The misspelled name may be a part of the place, as in `spool.x`.
@@ -38,9 +48,6 @@ fn repair(placed: &Placed, text: &str) -> Option<(usize, usize, String)> {
         let is_name =
             wrong.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '.' | '[' | ']'));
         return is_name.then(|| (at, at + wrong.len(), name.to_owned()));
-    }
-    if placed.diagnostic.message.contains("`;`") && placed.diagnostic.code == "MO0003" {
-        return Some((placed.end, placed.end, ";".to_owned()));
     }
     None
 }

@@ -8,11 +8,12 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::answers;
 use super::colours;
-use super::diagnostics::{Placed, check, json};
+use super::diagnostics::{Placed, check, check_plan, json};
 use super::lenses;
 use super::message::{answer, notification, read, refusal, write};
 use super::outline;
 use super::plan_keys;
+use super::plans::Plan;
 use super::position::{offset_of, path_of, range};
 use super::repairs;
 use crate::base::diag::Problems;
@@ -151,11 +152,15 @@ impl<W: Write> Server<W> {
             self.documents.iter().filter(|(_, d)| d.changed).map(|(a, _)| a.clone()).collect();
         for address in changed {
             let Some(request) = self.compiled(&address) else { continue };
-            if request.file.as_ref().is_some_and(|f| is_toml(&f.to_string_lossy())) {
-                self.documents.entry(address).and_modify(|document| document.changed = false);
-                continue;
-            }
-            let (placed, session) = check(&request);
+            let toml = request.file.as_deref().filter(|f| is_toml(&f.to_string_lossy()));
+            let (placed, session) = match toml {
+                None => check(&request),
+                Some(path) => check_plan(&Plan {
+                    path,
+                    text: request.text.clone(),
+                    modelica_path: self.modelica_path.clone(),
+                }),
+            };
             let text = request.text.as_deref().unwrap_or_default();
             let all = json(&placed, text, &session);
             if let Some(document) = self.documents.get_mut(&address) {
@@ -211,6 +216,7 @@ impl<W: Write> Server<W> {
         if is_toml(&file) {
             return Ok(match method {
                 "textDocument/completion" => Some(plan_keys::completion(&file, text, offset)),
+                "textDocument/codeAction" => Some(self.repairs(address, message, text)),
                 _ => Some(Json::null()),
             });
         }
@@ -236,14 +242,18 @@ impl<W: Write> Server<W> {
             "textDocument/documentSymbol" => Ok(Some(outline::symbols(text))),
             "textDocument/foldingRange" => Ok(Some(outline::folds(text))),
             "textDocument/semanticTokens/full" => Ok(Some(colours::tokens(text))),
-            "textDocument/codeAction" => {
-                let (start, end) =
-                    (place(&["params", "range", "start"]), place(&["params", "range", "end"]));
-                let placed = self.documents.get(address).map_or(&[][..], |d| &d.placed);
-                Ok(Some(repairs::actions(placed, text, address, (start, end))))
-            }
+            "textDocument/codeAction" => Ok(Some(self.repairs(address, message, text))),
             _ => Ok(None),
         }
+    }
+}
+
+impl<W: Write> Server<W> {
+    /// The repairs of the diagnostics in the range of a request.
+    fn repairs(&self, address: &str, message: &Json, text: &str) -> Json {
+        let place = |end| message.at(&["params", "range", end]).map_or(0, |p| offset_of(text, &p));
+        let placed = self.documents.get(address).map_or(&[][..], |d| &d.placed);
+        repairs::actions(placed, text, address, (place("start"), place("end")))
     }
 }
 

@@ -25,6 +25,7 @@ pub mod newton;
 pub mod norm;
 pub mod null_space;
 pub mod panel;
+pub mod participation;
 pub mod pattern;
 pub mod polynomial_segment;
 pub mod pseudo_inverse;

@@ -18,7 +18,6 @@ use crate::calibrate::parameter::{Parameter, parameter};
 use crate::driver::compile::{CompileError, Request as Compilation, Session};
 use crate::driver::files::read;
 use crate::driver::project;
-use crate::driver::quantity::scale_of;
 use crate::ir::flat::Experiment;
 use crate::ir::program::Program;
 use crate::ir::trajectory::Trajectory;
@@ -68,14 +67,26 @@ pub enum OptimizeError {
     NoValue(String),
 }
 
+/// Reads the plan of a design and compiles its model; nothing is run.
+pub fn check(request: &Request<'_>, session: &mut Session) -> Result<(), OptimizeError> {
+    let text = request.text.clone().map_or_else(|| readable(&request.plan), Ok)?;
+    let found = plan::read(&request.plan, &text, &mut session.sources, &mut session.problems);
+    let mut plan = found.ok_or(CompileError::Request)?;
+    let (program, measures) = compile(&plan, request, session)?;
+    convert(&mut plan, &program, &measures, session)?;
+    parameters(&plan, &program, session)?;
+    Ok(())
+}
+
 /// Optimizes the design of a plan.
 pub fn run(request: &Request<'_>, session: &mut Session) -> Result<Optimum, OptimizeError> {
     let text = request.text.clone().map_or_else(|| readable(&request.plan), Ok)?;
     let found = plan::read(&request.plan, &text, &mut session.sources, &mut session.problems);
-    let plan = found.ok_or(CompileError::Request)?;
+    let mut plan = found.ok_or(CompileError::Request)?;
     let original = readable(&plan.model)?;
     let (program, measures) = compile(&plan, request, session)?;
-    let parameters = parameters(&plan, &program, &measures, session)?;
+    convert(&mut plan, &program, &measures, session)?;
+    let parameters = parameters(&plan, &program, session)?;
     let coordinates: Vec<Coordinate> =
         parameters.iter().map(|p| Coordinate::of(p.bounds.0, p.bounds.1)).collect();
     let declared = program.blocks.dae.experiment;
@@ -244,11 +255,10 @@ fn compile(
     Ok(session.compile_differentiable(&compilation, &texts)?)
 }
 
-/// The free parameters; reports those that the model does not have, and values in wrong units.
+/// The free parameters; reports those that the model does not have.
 fn parameters(
     plan: &Plan,
     program: &Program,
-    measures: &Measures,
     session: &mut Session,
 ) -> Result<Vec<Parameter>, OptimizeError> {
     let mut machine = Machine::new(program);
@@ -259,17 +269,7 @@ fn parameters(
     let mut out = Vec::new();
     for range in &plan.free {
         let Some(p) = parameter(program, &machine, &range.free(), problems) else { continue };
-        for value in
-            [Some(&range.min), Some(&range.max), range.start.as_ref()].into_iter().flatten()
-        {
-            mismatch(&p.name, &p.unit, value).into_iter().for_each(|d| problems.push(d));
-        }
         out.push(p);
-    }
-    for (limit, column) in plan.limits.iter().zip(&measures.columns) {
-        for value in [&limit.min, &limit.max].into_iter().flatten() {
-            mismatch(&limit.name, &column.unit, value).into_iter().for_each(|d| problems.push(d));
-        }
     }
     if problems.error_count() > before {
         return Err(CompileError::Request.into());
@@ -277,17 +277,47 @@ fn parameters(
     Ok(out)
 }
 
-/// A value in a unit that measures something else; the unit of a composed measure is not known.
-fn mismatch(name: &str, declared: &str, value: &Value) -> Option<Diagnostic> {
-    let unit = &value.quantity.unit;
-    if unit.is_empty() || declared.is_empty() {
+/// Converts the values of a plan to the units of their parameters and measures; reports those that measure something else.
+fn convert(
+    plan: &mut Plan,
+    program: &Program,
+    measures: &Measures,
+    session: &mut Session,
+) -> Result<(), CompileError> {
+    let problems = &mut session.problems;
+    let before = problems.error_count();
+    let variables = &program.blocks.dae.variables;
+    let unit_of = |name: &str| {
+        let name = name.strip_prefix("start(").and_then(|n| n.strip_suffix(')')).unwrap_or(name);
+        variables.iter().find(|v| v.name == name.trim()).map(|v| v.unit.to_string())
+    };
+    for range in &mut plan.free {
+        let unit = range.targets.first().and_then(|name| unit_of(name)).unwrap_or_default();
+        let values = [Some(&mut range.min), Some(&mut range.max), range.start.as_mut()];
+        for value in values.into_iter().flatten() {
+            in_unit(&range.name, &unit, value).into_iter().for_each(|d| problems.push(d));
+        }
+    }
+    for (limit, column) in plan.limits.iter_mut().zip(&measures.columns) {
+        for value in [&mut limit.min, &mut limit.max].into_iter().flatten() {
+            in_unit(&limit.name, &column.unit, value).into_iter().for_each(|d| problems.push(d));
+        }
+    }
+    if problems.error_count() > before { Err(CompileError::Request) } else { Ok(()) }
+}
+
+/// Converts a value; a diagnostic if its unit measures something else. The unit of a composed measure is not known.
+fn in_unit(name: &str, declared: &str, value: &mut Value) -> Option<Diagnostic> {
+    let quantity = &mut value.quantity;
+    if quantity.unit.is_empty() || declared.is_empty() {
         return None;
     }
-    let own = scale_of(declared).map(|(_, dimension)| dimension);
-    (own != Some(value.quantity.dimension)).then(|| {
-        let (name, declared, unit) = (name.to_owned(), declared.to_owned(), unit.clone());
-        Diagnostic::new(DesignCause::OtherUnit { name, declared, unit }, value.span)
-    })
+    if let Some(own) = quantity.in_unit(declared) {
+        quantity.value = own;
+        return None;
+    }
+    let (name, declared, unit) = (name.to_owned(), declared.to_owned(), quantity.unit.clone());
+    Some(Diagnostic::new(DesignCause::OtherUnit { name, declared, unit }, value.span))
 }
 
 /// Why no search has a result.

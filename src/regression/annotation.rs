@@ -5,15 +5,15 @@
 use std::path::Path;
 
 use super::test_file::{Subject, TEST, Test, add_runs, tolerances};
-use crate::base::diag::Problems;
+use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::document::Section;
 use crate::base::source::SourceMap;
-use crate::base::toml_file::{Reader, read_table};
+use crate::base::toml_file::{Reader, TomlCause, read_table};
 use crate::driver::annotation_table::of_file;
 
 /// Whether a source may hold tests.
 pub fn may_hold_tests(source: &str) -> bool {
-    source.split_once("__mocc").is_some_and(|(_, rest)| rest.contains("tests"))
+    source.split_once("__mocc").is_some_and(|(_, rest)| rest.contains("test"))
 }
 
 /// Reads the tests of a source. None if it has errors, which are added to `problems`.
@@ -41,7 +41,13 @@ pub fn read(
 
 fn tests(r: &mut Reader<'_>, root: &Section<'_>, path: &Path, class: &str, out: &mut Vec<Test>) {
     if root.get("tests").is_none() {
-        // Other entries are about other things.
+        // Other entries are about other things, but for a slip of the pen.
+        let slip = root.keys().find(|(key, _)| did_you_mean(key, ["tests"]).is_some());
+        if let Some((key, span)) = slip {
+            let (key, known) = (key.to_owned(), "tests".to_owned());
+            let cause = TomlCause::UnknownKey { key, near: Some(known.clone()), known };
+            r.report(Diagnostic::new(cause, span));
+        }
         return;
     }
     let general = tolerances(r, root);

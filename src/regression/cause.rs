@@ -21,6 +21,10 @@ causes! {
         error MO1407 NoBounds { name: String }
             => ("the measure `{name}` has no bounds"),
             help("add `min`, `max`, or `never = true` for a condition that must not happen");
+        /// No value is within the bounds of a measure.
+        error MO1418 EmptyBounds { name: String }
+            => ("no value of the measure `{name}` is within its bounds"),
+            help("`min` must not be greater than `max`");
         /// The model of a test file cannot be found.
         error MO1408 NoModelOfTests { wanted: String }
             => ("there is no model for these tests: neither {wanted} exists"),

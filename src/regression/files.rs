@@ -13,9 +13,10 @@ pub const EXTENSION: &str = ".test.toml";
 pub fn discover(path: &Path) -> Result<Vec<PathBuf>, String> {
     let data = fs::metadata(path).map_err(|e| format!("cannot read {}: {e}", path.display()))?;
     if data.is_file() {
-        return match is_test(path) || is_model(path) {
-            true => Ok(vec![path.to_owned()]),
-            false => Err(format!(
+        return match () {
+            () if is_test(path) => Ok(vec![path.to_owned()]),
+            () if is_model(path) => Ok(of_model(path)),
+            () => Err(format!(
                 "{} is neither a test file, `NAME{EXTENSION}`, nor a model with tests, `.mo` or `.mol`",
                 path.display()
             )),
@@ -25,6 +26,14 @@ pub fn discover(path: &Path) -> Result<Vec<PathBuf>, String> {
     search(path, &mut found);
     found.sort();
     Ok(found)
+}
+
+/// The test file next to a model, and the model itself if it has tests or nothing else has.
+fn of_model(path: &Path) -> Vec<PathBuf> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let beside = Some(path.with_file_name(format!("{stem}{EXTENSION}"))).filter(|p| exists(p));
+    let own = (beside.is_none() || mentions_tests(path)).then(|| path.to_owned());
+    beside.into_iter().chain(own).collect()
 }
 
 fn search(folder: &Path, found: &mut Vec<PathBuf>) {

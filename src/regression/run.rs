@@ -16,6 +16,7 @@ use crate::compare::thin::thinned;
 use crate::compare::tolerance::Tolerance;
 use crate::driver::compile::{Request, Session};
 use crate::driver::project;
+use crate::driver::quantity::Quantity;
 use crate::io::csv::text_of;
 use crate::io::format::Format;
 use crate::ir::flat::Experiment;
@@ -115,7 +116,11 @@ fn measures(test: &Test, request: &Request, findings: &mut Vec<Finding>) {
         let mut rows = Trajectory::default();
         let mut observer = Observer::new(&plan, &program, &mut rows);
         match simulate_to(&program, &settings, &session.sources, &mut observer) {
-            Ok(statistics) => Some(plan.evaluate(&program, &settings, &observer, &statistics)),
+            Ok(statistics) => {
+                let values = plan.evaluate(&program, &settings, &observer, &statistics);
+                let units = plan.columns.iter().map(|c| c.unit.clone());
+                Some(values.into_iter().zip(units).collect::<Vec<_>>())
+            }
             Err(failure) => {
                 session.problems.push(*failure.diagnostic);
                 None
@@ -125,7 +130,9 @@ fn measures(test: &Test, request: &Request, findings: &mut Vec<Finding>) {
     match outcome {
         Some(values) => {
             let pairs = test.expected.measures.iter().zip(values);
-            findings.extend(pairs.filter_map(|(bounded, value)| measure(bounded, value)));
+            findings.extend(
+                pairs.filter_map(|(bounded, (value, unit))| measure(bounded, value, &unit)),
+            );
         }
         None => {
             let text = render_all(&session.problems, &session.sources, Style::Plain);
@@ -293,15 +300,28 @@ fn trace(test: &Test, traces: &Traces, run: &Trajectory) -> Option<Finding> {
 }
 
 /// Compares a measure with its bounds.
-fn measure(bounded: &Bounded, value: Option<f64>) -> Option<Finding> {
+///
+/// A bound whose unit measures something else is an error of its own; the unit of a composed measure is not known.
+fn measure(bounded: &Bounded, value: Option<f64>, unit: &str) -> Option<Finding> {
     let Bounded { name, min, max, never, .. } = bounded;
+    let own = |bound: &Option<Quantity>| match bound {
+        None => Ok(None),
+        Some(bound) if unit.is_empty() => Ok(Some(bound.value)),
+        Some(bound) => bound.in_unit(unit).map(Some).ok_or_else(|| {
+            format!("`{name}` is in `{unit}`, which `{}` does not measure", bound.unit)
+        }),
+    };
+    let (min, max) = match (own(min), own(max)) {
+        (Ok(min), Ok(max)) => (min, max),
+        (Err(why), _) | (_, Err(why)) => return Some(Finding::new("measures", why)),
+    };
     let message = match value {
         None if *never => return None,
         None => format!("`{name}` has no value: its condition never became true"),
         Some(value) if *never => format!("`{name}` = {value}, but must not happen"),
         Some(value) => match (min, max) {
-            (Some(min), _) if value < *min => format!("`{name}` = {value} is less than {min}"),
-            (_, Some(max)) if value > *max => format!("`{name}` = {value} is greater than {max}"),
+            (Some(min), _) if value < min => format!("`{name}` = {value} is less than {min}"),
+            (_, Some(max)) if value > max => format!("`{name}` = {value} is greater than {max}"),
             _ => return None,
         },
     };

@@ -12,7 +12,7 @@ use crate::base::document::{Item, Section};
 use crate::base::source::SourceMap;
 use crate::base::toml_file::{Reader, read as read_toml};
 use crate::compare::tolerance::Tolerance;
-use crate::driver::quantity;
+use crate::driver::quantity::{self, Quantity};
 
 /// A run of a test, and what is expected of it.
 #[derive(Clone, PartialEq, Debug)]
@@ -78,10 +78,10 @@ pub struct Bounded {
     pub name: String,
     /// Its expression, as after `--measure`.
     pub expression: String,
-    /// Its least value, SI.
-    pub min: Option<f64>,
-    /// Its greatest value, SI.
-    pub max: Option<f64>,
+    /// Its least value.
+    pub min: Option<Quantity>,
+    /// Its greatest value.
+    pub max: Option<Quantity>,
     /// Its condition must never become true.
     pub never: bool,
 }
@@ -101,6 +101,8 @@ pub(super) const TEST: [&str; 11] = [
     "traces",
     "measures",
 ];
+/// The keys of a test in a file, before the others.
+const SUBJECT: [&str; 3] = ["name", "model", "model_name"];
 const TOLERANCES: [&str; 3] = ["relative", "absolute", "time"];
 
 /// Reads a test file. None if it has errors, which are added to `problems`.
@@ -127,7 +129,7 @@ fn tests(r: &mut Reader<'_>, root: &Section<'_>, path: &Path) -> Vec<Test> {
     }
     let mut out = Vec::new();
     for section in sections {
-        r.known(&section, &[&["name", "model", "model_name"], &TEST[..]].concat());
+        r.known(&section, &[&SUBJECT[..], &TEST].concat());
         let title = r.required(&section, "name");
         let own_model = r.text(&section, "model").map(|file| base.join(file));
         let model_name = r.text(&section, "model_name").or_else(|| name.clone());
@@ -274,7 +276,9 @@ fn expected(
         traces,
         measures: measures(r, section),
     };
-    if expected == Expected::default() {
+    // A test with an unknown key expects what the key was meant to say.
+    let is_known = |key: &str| TEST.contains(&key) || SUBJECT.contains(&key);
+    if expected == Expected::default() && section.keys().all(|(key, _)| is_known(key)) {
         let cause = TestCause::NothingExpected { name: name.to_owned() };
         let place = section.place();
         r.report(Diagnostic::new(cause, place));
@@ -321,6 +325,11 @@ fn measures(r: &mut Reader<'_>, section: &Section<'_>) -> Vec<Bounded> {
         let expression = r.required(&own, "is");
         let (min, max) = (bound(r, &own, "min"), bound(r, &own, "max"));
         let never = r.flag(&own, "never");
+        if let (Some(min), Some(max)) = (&min, &max)
+            && min.value > max.value
+        {
+            r.report(Diagnostic::new(TestCause::EmptyBounds { name: name.clone() }, own.place()));
+        }
         if own.get("min").is_none() && own.get("max").is_none() && !never {
             r.report(Diagnostic::new(TestCause::NoBounds { name: name.clone() }, own.place()));
         }
@@ -330,11 +339,11 @@ fn measures(r: &mut Reader<'_>, section: &Section<'_>) -> Vec<Bounded> {
 }
 
 /// A number, or a string with a unit.
-fn bound(r: &mut Reader<'_>, section: &Section<'_>, key: &str) -> Option<f64> {
+fn bound(r: &mut Reader<'_>, section: &Section<'_>, key: &str) -> Option<Quantity> {
     let item = section.get(key)?;
     let value = match item.text() {
-        Some(text) => quantity::read(&text).map(|q| q.value),
-        None => item.number(),
+        Some(text) => quantity::read(&text),
+        None => item.number().map(Quantity::plain),
     };
     if value.is_none() {
         let text = item.written().unwrap_or_else(|| key.to_owned());

@@ -129,6 +129,14 @@ pub struct Machine<'p> {
     pub(crate) frames: Frames,
 }
 
+/// Copies a memory but for the parameters.
+fn copy_but_parameters(program: &Program, to: &mut [f64], from: &[f64]) {
+    let (first, end) = program.layout.parameters;
+    let (first, end) = (first as usize, end as usize);
+    to[..first].copy_from_slice(&from[..first]);
+    to[end..].copy_from_slice(&from[end..]);
+}
+
 /// Memory and fault of a failed attempt.
 pub struct FaultSnapshot {
     memory: Vec<f64>,
@@ -194,6 +202,7 @@ impl<'p> Machine<'p> {
         let inputs = &self.program.layout.parameter_inputs;
         let Some(&(_, slot)) = inputs.iter().find(|(p, _)| *p == v) else { return false };
         self.memory[slot as usize] = value;
+        self.free_buffers.clear();
         true
     }
 
@@ -294,6 +303,9 @@ impl<'p> Machine<'p> {
             self.tangents = Some(tangents);
             return outcome;
         }
+        if std::ptr::eq(tape, &self.program.tapes.parameters) {
+            self.free_buffers.clear();
+        }
         if self.clamp_domain {
             return self.interpret::<true>(tape);
         }
@@ -382,8 +394,7 @@ impl<'p> Machine<'p> {
     /// to [`Machine::restore_fault`] or [`Machine::discard_fault`].
     pub fn save_fault(&mut self) -> FaultSnapshot {
         let memory = self.snapshot();
-        let mut fault_memory = self.free_buffers.pop().unwrap_or_default();
-        fault_memory.clone_from(&self.fault_memory);
+        let fault_memory = self.fault_memory.clone();
         FaultSnapshot { memory, fault_memory, fault: self.fault }
     }
 
@@ -393,27 +404,41 @@ impl<'p> Machine<'p> {
         std::mem::swap(&mut self.fault_memory, &mut saved.fault_memory);
         self.fault = saved.fault;
         self.recycle(saved.memory);
-        self.recycle(saved.fault_memory);
     }
 
     /// Discards a failed attempt after another one has succeeded.
     pub fn discard_fault(&mut self, saved: FaultSnapshot) {
         self.fault = None;
         self.recycle(saved.memory);
-        self.recycle(saved.fault_memory);
     }
 
     /// A copy of the memory; return its buffer by [`Machine::recycle`].
     pub fn snapshot(&mut self) -> Vec<f64> {
-        let mut copy = self.free_buffers.pop().unwrap_or_default();
-        copy.clear();
-        copy.extend_from_slice(&self.memory);
-        copy
+        match self.free_buffers.pop() {
+            // It has the parameters already.
+            Some(mut copy) => {
+                self.save_to(&mut copy);
+                copy
+            }
+            None => self.memory.clone(),
+        }
+    }
+
+    /// Copies the memory without the parameters, which do not change during a run.
+    pub fn save_to(&self, copy: &mut [f64]) {
+        copy_but_parameters(self.program, copy, &self.memory);
+    }
+
+    /// Restores a copy of the memory that was made in the same run.
+    pub fn restore_from(&mut self, copy: &[f64]) {
+        copy_but_parameters(self.program, &mut self.memory, copy);
     }
 
     /// Returns the buffer of a snapshot for reuse.
     pub fn recycle(&mut self, copy: Vec<f64>) {
-        self.free_buffers.push(copy);
+        if copy.len() == self.memory.len() {
+            self.free_buffers.push(copy);
+        }
     }
 
     fn call(&mut self, k: usize) -> Result<(), Fault> {

@@ -45,7 +45,7 @@ impl MixedBlockSolver {
     /// Solves the block: iterates until its discrete unknowns stop changing, or searches.
     pub fn iterate_block(&mut self, machine: &mut Machine<'_>, k: usize) -> Result<(), Fault> {
         if !self.entry_memory.is_empty() {
-            self.entry_memory.copy_from_slice(&machine.memory);
+            machine.save_to(&mut self.entry_memory);
         }
         let mut outcome = self.iterate(machine, k);
         if let Err(fault) = outcome
@@ -121,7 +121,7 @@ impl MixedBlockSolver {
     /// True if the block is consistent with some of its relations flipped.
     fn is_confirmed(&mut self, machine: &mut Machine<'_>, k: usize, flipped: &[usize]) -> bool {
         let mixed = &machine.program.routines.mixed_blocks[k];
-        machine.memory.copy_from_slice(&self.entry_memory);
+        machine.restore_from(&self.entry_memory);
         let was_relaxed = std::mem::replace(&mut machine.relaxed, true);
         // The first pass updates the discrete variables, the second one the equations that read
         // them.

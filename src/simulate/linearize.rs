@@ -8,6 +8,7 @@ use crate::base::source::Span;
 use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Slot};
 use crate::numeric::eigenvalues::{Complex, eigenvalues};
+use crate::numeric::participation::participation;
 use crate::runtime::tangent::Tangents;
 
 use super::cause::RunCause;
@@ -48,6 +49,13 @@ impl Linearization {
     pub fn eigenvalues(&self) -> Option<Vec<Complex>> {
         // The eigenvalues of the transposed matrix are the same.
         eigenvalues(self.states.len(), &self.a)
+    }
+
+    /// For each eigenvalue how much each state takes part in it: parts that sum to 1. `None` if they are not finite.
+    pub fn participation(&self, eigenvalues: &[Complex]) -> Option<Vec<Vec<f64>>> {
+        let n = self.states.len();
+        let columns: Vec<f64> = (0..n * n).map(|at| self.a[at % n * n + at / n]).collect();
+        participation(n, &columns, eigenvalues)
     }
 }
 

@@ -14,6 +14,7 @@ pub mod columns;
 pub mod extrema;
 pub mod failure;
 mod foreign;
+pub mod frequency_response;
 pub mod homotopy;
 pub mod initialization;
 pub mod integers;

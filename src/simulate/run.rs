@@ -358,7 +358,6 @@ impl<'p, 's> Simulation<'p, 's> {
             sensitivity,
             has_own_rows,
         };
-        simulation.system.machine.undetermined = None;
         simulation.record(t)?;
         simulation.bound_warnings.drop_parameters(program);
         simulation.warn_of_undetermined(t);

@@ -13,6 +13,8 @@ use super::sensitivity::Input;
 
 /// Default stop time, s.
 pub const DEFAULT_STOP: f64 = 1.0;
+/// Rows of a run at most.
+const MAX_ROWS: f64 = 1e9;
 /// Default number of intervals between rows.
 pub const DEFAULT_INTERVALS: f64 = 500.0;
 
@@ -120,6 +122,12 @@ impl Settings {
         }
         if (interval.is_nan() || *interval <= 0.0) && stop > start {
             return Some(format!("the interval between rows is {interval} s, not positive"));
+        }
+        let rows = (self.stop - self.start) / interval;
+        if rows > MAX_ROWS {
+            return Some(format!(
+                "the interval between rows is {interval} s: the run would have {rows:.0e} rows, more than {MAX_ROWS:.0e}"
+            ));
         }
         if let Some(max_step) = self.max_step
             && (max_step.is_nan() || max_step <= 0.0)

@@ -32,6 +32,10 @@ const SAMPLES: u32 = 200;
 const HOPELESS_PROGRESS: f64 = 1e-4;
 /// Number of such windows in succession after which a run is ended.
 const HOPELESS_WINDOWS: u32 = 25;
+/// Less than this fraction of [`HOPELESS_PROGRESS`] is seen sooner.
+const CLEARLY: f64 = 0.5;
+/// Number of such windows in succession after which a run is ended.
+const CLEARLY_HOPELESS_WINDOWS: u32 = 8;
 /// Ratio of the progress of the last and the first of them above which the steps become longer.
 const RECOVERY: f64 = 2.0;
 /// Minimum number of switches among these that counts as the cause.
@@ -119,7 +123,11 @@ impl Simulation<'_, '_> {
             return Ok(());
         }
         self.progress.hopeless = if windows == 0 { (1, done) } else { (windows + 1, first) };
-        if windows + 1 < HOPELESS_WINDOWS {
+        let most = match done < CLEARLY * HOPELESS_PROGRESS {
+            true => CLEARLY_HOPELESS_WINDOWS,
+            false => HOPELESS_WINDOWS,
+        };
+        if windows + 1 < most {
             return Ok(());
         }
         // A solution between the borders of a hysteresis that moves no further than from one to the other.

@@ -78,8 +78,20 @@ impl ParameterValues {
     /// The value of an expression at the values of the parameters and some values of everything
     /// else: expressions that vanish there vanish in general. Variables in `zero` are 0.
     pub fn sample(&self, graph: &Graph, root: ExprId, zero: impl Fn(VarId) -> bool) -> f64 {
-        // Fractions of the golden ratio are far from all simple relations.
-        let any = |k: usize| 0.5 + (k as f64 * 0.618_033_988_749_894_9).fract();
+        self.sample_of(graph, root, 0, zero)
+    }
+
+    /// The same at the point of this number.
+    pub fn sample_of(
+        &self,
+        graph: &Graph,
+        root: ExprId,
+        point: usize,
+        zero: impl Fn(VarId) -> bool,
+    ) -> f64 {
+        // Fractions of the golden ratio are far from all simple relations, and so are those of the square root of 2.
+        let shift = point as f64 * std::f64::consts::SQRT_2;
+        let any = |k: usize| 0.5 + (k as f64 * 0.618_033_988_749_894_9 + shift).fract();
         let variable = |v: VarId| match zero(v) {
             true => Some(0.0),
             false => self.literal(graph, v).or_else(|| Some(any(v.idx()))),

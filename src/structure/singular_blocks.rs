@@ -1,7 +1,8 @@
-//! Linear equations that are singular at the values of the parameters, whatever the states are.
+//! Equations that are singular at the values of the parameters, whatever the states are.
 //!
 //! *In:* the blocks of the continuous phases. *Out:* an error for each block with constant
-//! coefficients whose equations depend on each other. If they are consistent, and nothing else
+//! coefficients whose equations depend on each other, and for each other block of smooth equations of which one is a
+//! combination of others with constant factors. If they are consistent, and nothing else
 //! depends on what they leave open, a warning: the potentials of a circuit without a ground are
 //! arbitrary, but its currents are not.
 
@@ -11,27 +12,42 @@ use super::solve;
 use crate::base::diag::Problems;
 use crate::base::index::{FastMap, FastSet};
 use crate::ir::blocks::{Block, Source, Torn};
+use crate::ir::builtin::Shape;
 use crate::ir::dae::Dae;
-use crate::ir::expr::{ExprId, Type, VarId};
+use crate::ir::expr::{ExprId, Graph, Node, Type, VarId};
 use crate::numeric::null_space::NullSpace;
 use crate::symbolic::gradient::{Leaf, gradient};
 use crate::symbolic::linear;
 
 /// Larger blocks are left to the simulation.
 const MAX_ORDER: usize = 150;
+/// Larger blocks without constant coefficients are, too.
+const MAX_ORDER_AT_POINTS: usize = 40;
+/// Points at which equations are compared: a dependence at all of them is one in general.
+const POINTS: usize = 3;
 /// Sums below this fraction of their terms are zero.
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// Reports singular blocks, and returns the unknowns that are undetermined without consequence.
 pub fn report(dae: &mut Dae, blocks: &[Block], problems: &mut Problems) -> Vec<VarId> {
-    if !blocks.iter().any(|block| matches!(block, Block::Torn(torn) if torn.linear)) {
+    if !blocks.iter().any(|block| matches!(block, Block::Torn(_))) {
         return Vec::new();
     }
     let mut check = SingularityCheck { values: ParameterValues::of(dae), dae };
     let mut harmless = Vec::new();
+    let mut is_repeated = false;
     for block in blocks {
         let Block::Torn(torn) = block else { continue };
-        let Some(singular) = check.singular(torn) else { continue };
+        // Derivatives of equations that repeat each other do so, too: the first ones are reported.
+        if is_repeated {
+            break;
+        }
+        let singular = check.singular(torn).or_else(|| {
+            let found = check.repeated(torn);
+            is_repeated |= found.is_some();
+            found
+        });
+        let Some(singular) = singular else { continue };
         let free: Vec<VarId> = singular.free();
         let consequence = if check.contradicts(&singular) {
             Consequence::NoSolution
@@ -69,17 +85,60 @@ struct SingularityCheck<'a> {
 }
 
 impl SingularityCheck<'_> {
+    /// The block, if smooth equations of it repeat others, whatever the values of its unknowns are.
+    fn repeated(&mut self, torn: &Torn) -> Option<SingularBlock> {
+        let (members, sources) = parts(torn);
+        if members.len() < 2 || members.len() > MAX_ORDER_AT_POINTS {
+            return None;
+        }
+        let residuals: Vec<ExprId> =
+            sources.iter().map(|source| solve::residual(self.dae, *source)).collect();
+        if !residuals.iter().all(|e| is_smooth(&self.dae.graph, *e)) {
+            return None;
+        }
+        let place: FastMap<VarId, usize> =
+            members.iter().enumerate().map(|(k, v)| (*v, k)).collect();
+        let mut found: Option<NullSpace> = None;
+        for point in 0..POINTS {
+            let mut matrix = Vec::with_capacity(members.len());
+            for &residual in &residuals {
+                let graph = &mut self.dae.graph;
+                let row = self.values.coefficients(graph, residual, &place, |values, graph, e| {
+                    Some(values.sample_of(graph, e, point, |_| false))
+                });
+                matrix.push(row?);
+            }
+            let null_space = NullSpace::of(&matrix);
+            let [combination] = null_space.left.as_slice() else { return None };
+            match &found {
+                None => found = Some(null_space),
+                Some(first) if is_along(&first.left[0], combination) => {}
+                Some(_) => return None,
+            }
+        }
+        let null_space = found?;
+        // The same combination of the equations themselves is a constant.
+        let sum = |values: &ParameterValues, graph: &Graph, point: usize| -> Vec<f64> {
+            let of = |e: &ExprId| values.sample_of(graph, *e, point, |_| false);
+            residuals.iter().zip(&null_space.left[0]).map(|(e, w)| w * of(e)).collect()
+        };
+        let first = sum(&self.values, &self.dae.graph, 0);
+        for point in 1..POINTS {
+            let other = sum(&self.values, &self.dae.graph, point);
+            if !vanishes(first.iter().copied().chain(other.iter().map(|x| -x))) {
+                return None;
+            }
+        }
+        Some(SingularBlock { members, sources, null_space })
+    }
+
     /// The block, if it is linear with constant coefficients and singular.
     fn singular(&mut self, torn: &Torn) -> Option<SingularBlock> {
         let order = torn.unknowns.len() + torn.explicit.len();
         if !torn.linear || order > MAX_ORDER {
             return None;
         }
-        let explicit = torn.explicit.iter();
-        let members: Vec<VarId> =
-            torn.unknowns.iter().copied().chain(explicit.clone().map(|a| a.variable)).collect();
-        let sources: Vec<Source> =
-            torn.residuals.iter().map(|r| r.source).chain(explicit.map(|a| a.source)).collect();
+        let (members, sources) = parts(torn);
         let place: FastMap<VarId, usize> =
             members.iter().enumerate().map(|(k, v)| (*v, k)).collect();
         let mut matrix = Vec::with_capacity(order);
@@ -101,10 +160,14 @@ impl SingularityCheck<'_> {
         let members: FastSet<VarId> = block.members.iter().copied().collect();
         let residuals: Vec<ExprId> =
             block.sources.iter().map(|source| solve::residual(self.dae, *source)).collect();
-        let values: Vec<f64> = residuals
-            .iter()
-            .map(|e| self.values.sample(&self.dae.graph, *e, |v| members.contains(&v)))
-            .collect();
+        let at = |is_zero: &dyn Fn(VarId) -> bool| -> Vec<f64> {
+            let of = |e: &ExprId| self.values.sample(&self.dae.graph, *e, is_zero);
+            residuals.iter().map(of).collect()
+        };
+        let mut values = at(&|v| members.contains(&v));
+        if !values.iter().all(|x| x.is_finite()) {
+            values = at(&|_| false);
+        }
         let left = &block.null_space.left;
         left.iter().any(|w| !vanishes(w.iter().zip(&values).map(|(w, r)| w * r)))
     }
@@ -155,6 +218,34 @@ impl SingularityCheck<'_> {
             !vanishes(along.map(|(v, x)| slopes.get(v).copied().unwrap_or(0.0) * x))
         })
     }
+}
+
+/// The variables of a block, and its equations.
+fn parts(torn: &Torn) -> (Vec<VarId>, Vec<Source>) {
+    let explicit = torn.explicit.iter();
+    let members = torn.unknowns.iter().copied().chain(explicit.clone().map(|a| a.variable));
+    let sources = torn.residuals.iter().map(|r| r.source).chain(explicit.map(|a| a.source));
+    (members.collect(), sources.collect())
+}
+
+/// Whether an expression consists of smooth functions, without branches.
+fn is_smooth(graph: &Graph, e: ExprId) -> bool {
+    graph.postorder([e]).into_iter().all(|node| match graph.node(node) {
+        Node::Const(_) | Node::Var(_) | Node::Time | Node::Der(_) => true,
+        Node::Unary(op, _) => op.facts().is_some_and(|f| f.shape == Shape::Smooth),
+        Node::Binary(op, ..) => op.facts().is_some_and(|f| f.shape == Shape::Smooth),
+        _ => false,
+    })
+}
+
+/// Whether two combinations are the same up to a factor.
+fn is_along(a: &[f64], b: &[f64]) -> bool {
+    let largest = (0..a.len()).fold(0, |m, k| if a[k].abs() > a[m].abs() { k } else { m });
+    a.iter().zip(b).all(|(x, y)| {
+        vanishes([x * b[largest], -y * a[largest]].into_iter())
+            || (x * b[largest]).abs() + (y * a[largest]).abs()
+                <= NEGLIGIBLE * (a[largest] * b[largest]).abs()
+    })
 }
 
 /// True if a sum is zero up to rounding.

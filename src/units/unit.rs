@@ -33,6 +33,22 @@ pub enum Kind {
     Torque,
 }
 
+/// Whether a unit counts how often something happens: `Hz` with or without a prefix.
+pub fn is_frequency(unit: &str) -> bool {
+    symbols(unit).any(|symbol| symbol.ends_with("Hz"))
+}
+
+/// Whether a unit measures an angle or turns: `rad/s`, `deg`, `rpm`.
+pub fn measures_angle(unit: &str) -> bool {
+    symbols(unit).any(|symbol| ["rad", "mrad", "deg", "rev", "rpm"].contains(&symbol))
+}
+
+/// The symbols of a unit with their prefixes, without exponents.
+fn symbols(unit: &str) -> impl Iterator<Item = &str> {
+    let parts = unit.split(|c: char| "./()".contains(c));
+    parts.map(|part| part.trim_end_matches(|c: char| c.is_ascii_digit() || "+-^".contains(c)))
+}
+
 const ONE: [i32; 7] = [0; 7];
 
 /// Symbols with their SI factors and exponents of kg, m, s, A, K, mol, cd (SI Brochure, 9th ed.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::model::Model;
-use super::values::at;
+use super::values::{at, json, picture};
 
 /// A model with constant inputs.
 #[derive(Args, Debug)]
@@ -13,14 +13,14 @@ pub struct Point {
     /// The model.
     #[command(flatten)]
     pub model: Model,
-    /// Hold an input at a value, SI; repeatable [default: its start value].
+    /// Hold an input at a value, SI or with a unit; repeatable [default: its start value].
     #[arg(long = "input", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     pub inputs: Vec<String>,
     /// Relative tolerance of the simulation up to the point [default: annotation, else 1e-6].
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     pub tolerance: Option<f64>,
-    /// Write the result as JSON; `-` prints it in place of the text.
-    #[arg(long, value_name = "FILE")]
+    /// Write the result as JSON; `-`, or nothing, prints it in place of the text.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-", value_parser = json)]
     pub json: Option<PathBuf>,
     /// Print nothing but errors.
     #[arg(long, short)]
@@ -50,6 +50,9 @@ pub struct Linearize {
     /// A variable that is an output; repeatable [default: the outputs of the model].
     #[arg(long = "output", value_name = "NAME")]
     pub outputs: Vec<String>,
+    /// Draw magnitude and phase over frequency, .svg or .png; `-` prints them as SVG.
+    #[arg(long, value_name = "PATH", visible_alias = "plot", value_parser = picture)]
+    pub bode: Option<PathBuf>,
 }
 
 /// Where a model is linearized.

@@ -13,6 +13,7 @@ pub mod study;
 pub mod values;
 
 use std::ffi::OsString;
+use std::path::Path;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
@@ -126,10 +127,28 @@ pub fn man_pages() -> Vec<(String, Vec<u8>)> {
     pages
 }
 
+/// `--json` before the file of a model or a plan has no value: that file is what the command reads.
+fn plain_json(arguments: Vec<OsString>) -> Vec<OsString> {
+    let is_subject = |next: &OsString| {
+        let extension = Path::new(next).extension().and_then(|e| e.to_str());
+        extension.is_some_and(|e| ["mo", "mol", "toml", "fmu"].contains(&e))
+    };
+    let mut read = arguments.into_iter().peekable();
+    let mut out = Vec::new();
+    while let Some(argument) = read.next() {
+        let takes_file = out.get(1).is_some_and(|command: &OsString| {
+            ["steady", "linearize", "evaluate"].iter().any(|name| command == name)
+        });
+        let is_alone = takes_file && argument == "--json" && read.peek().is_some_and(is_subject);
+        out.push(if is_alone { "--json=-".into() } else { argument });
+    }
+    out
+}
+
 /// Reads the arguments, the first of which is the name of the program. An error prints the help or the usage that the
 /// arguments ask for, and is the status to exit with.
 pub fn read(arguments: Vec<OsString>) -> Result<Command, Status> {
-    Arguments::try_parse_from(arguments).map(|read| read.command).map_err(|error| {
+    Arguments::try_parse_from(plain_json(arguments)).map(|read| read.command).map_err(|error| {
         // Nobody reads a message that cannot be printed.
         let _ = error.print();
         if error.use_stderr() { Status::Usage } else { Status::Done }

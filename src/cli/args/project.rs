@@ -9,7 +9,7 @@ use super::values::page;
 /// Tests of models.
 #[derive(Args, Debug)]
 pub struct Test {
-    /// Test files, .test.toml, and folders that are searched for them [default: the working directory].
+    /// Test files, .test.toml, models, and folders that are searched for them; `-` is a test file on the standard input [default: the working directory].
     #[arg(value_name = "PATH")]
     pub paths: Vec<PathBuf>,
     /// Accept what the runs give: show what changes, then write the snapshots.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::values::{ends, picture, tolerance};
+use super::values::{ends, picture, tolerance, unit_of};
 
 /// Two results.
 #[derive(Args, Debug)]
@@ -44,7 +44,7 @@ pub struct Compare {
 /// A chart.
 #[derive(Args, Debug)]
 pub struct Plot {
-    /// Tables, .csv, each with an optional label; `-` is the standard input.
+    /// Tables, .csv, .parquet or .mat, each with an optional label; `-` is CSV on the standard input.
     #[arg(value_name = "FILE[=LABEL]", required = true)]
     pub tables: Vec<String>,
     /// Second group of tables, drawn next to the first on the same axes.
@@ -60,6 +60,9 @@ pub struct Plot {
     /// Draw a curve for each value of this column.
     #[arg(long, value_name = "COLUMN")]
     pub by: Option<String>,
+    /// Draw a column in another unit, such as p2=bar; repeatable [default: the unit in the file].
+    #[arg(long = "unit", value_name = "NAME=UNIT", value_parser = unit_of)]
+    pub units: Vec<(String, String)>,
     /// Draw only this part of the horizontal axis.
     #[arg(long, value_name = "FROM:TO", allow_hyphen_values = true, value_parser = ends)]
     pub range: Option<(f64, f64)>,

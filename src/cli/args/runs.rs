@@ -43,7 +43,7 @@ pub struct Simulate {
     #[arg(long = "measure", value_name = "NAME=EXPRESSION")]
     pub measures: Vec<String>,
     /// Print a summary with measures, events and statistics as JSON on standard output.
-    #[arg(long, conflicts_with_all = ["quiet", "events"])]
+    #[arg(long)]
     pub json: bool,
     /// Print measures and events only, no summary.
     #[arg(long, short)]

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::model::{is_standard, request};
-use super::values::seconds;
+use super::values::{json, seconds};
 use crate::driver::compile::Request;
 
 /// A plan to be completed.
@@ -95,7 +95,7 @@ pub struct Diagnose {
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub time_limit: Option<f64>,
     /// Report progress on standard error: candidates scored, fitted and kept, with times.
-    #[arg(long)]
+    #[arg(long, short)]
     pub verbose: bool,
 }
 
@@ -128,8 +128,8 @@ pub struct Evaluate {
     /// FMU, or folder with FMUs, that the plan or its model may run: foreign code; repeatable.
     #[arg(long, value_name = "FILE")]
     pub allow_fmu: Vec<PathBuf>,
-    /// Write the result as JSON; `-` prints it in place of the text.
-    #[arg(long, value_name = "FILE")]
+    /// Write the result as JSON; `-`, or nothing, prints it in place of the text.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-", value_parser = json)]
     pub json: Option<PathBuf>,
     /// Print nothing but errors.
     #[arg(long, short)]
@@ -149,7 +149,7 @@ pub struct Optimize {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub jobs: Option<u64>,
     /// Print the result as JSON on standard output.
-    #[arg(long, conflicts_with = "quiet")]
+    #[arg(long)]
     pub json: bool,
     /// Print nothing but errors.
     #[arg(long, short)]

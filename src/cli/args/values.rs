@@ -14,6 +14,11 @@ pub fn page(text: &str) -> Result<PathBuf, String> {
     standard(text).map_or_else(|| with_extension(text, &["html", "htm"]), Ok)
 }
 
+/// A file for JSON by its extension, or `-` for the standard output.
+pub fn json(text: &str) -> Result<PathBuf, String> {
+    standard(text).map_or_else(|| with_extension(text, &["json"]), Ok)
+}
+
 fn standard(text: &str) -> Option<PathBuf> {
     (text == "-").then(|| PathBuf::from(text))
 }

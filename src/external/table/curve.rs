@@ -87,9 +87,9 @@ impl Curve {
 
     /// As [`Curve::at`], but the left limit at `u`.
     pub fn before(&self, u: f64, order: u8) -> f64 {
-        let at = self.x.iter().position(|x| *x == u);
-        match at {
-            Some(i) if i > 0 => polynomial(&self.segments[i - 1], u - self.x[i - 1], order),
+        let i = self.x.partition_point(|x| *x < u);
+        match self.x.get(i) {
+            Some(x) if i > 0 && *x == u => polynomial(&self.segments[i - 1], u - self.x[i - 1], order),
             _ => self.at(u, order),
         }
     }

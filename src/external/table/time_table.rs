@@ -112,12 +112,22 @@ impl TimeTable {
                 return last.before(self.range.1, order);
             }
             let snapped = self.snapped(inside, slack);
-            let part = self.parts.iter().rev().find(|p| p.range().0 < snapped);
-            return part.unwrap_or(&self.parts[0]).before(snapped, order);
+            return self.part(|start| start < snapped).before(snapped, order);
         }
         let snapped = self.snapped(inside, slack);
-        let part = self.parts.iter().rev().find(|p| p.range().0 <= snapped);
-        part.unwrap_or(&self.parts[0]).at(snapped, order)
+        self.part(|start| start <= snapped).at(snapped, order)
+    }
+
+    /// The last curve whose start is before a time, or the first.
+    fn part(&self, is_before: impl Fn(f64) -> bool) -> &Curve {
+        let later = self.parts.partition_point(|p| is_before(p.range().0));
+        &self.parts[later.saturating_sub(1)]
+    }
+
+    /// The first instant of events after `t`, s, shifted by these times.
+    fn stop_after(&self, t: f64, shifted: impl Fn(f64) -> f64) -> Option<f64> {
+        let passed = self.stops.partition_point(|s| shifted(*s) <= t);
+        self.stops.get(passed).map(|s| shifted(*s))
     }
 
     /// The time of the first event after `t`, s; the largest finite number if there is none.
@@ -132,14 +142,13 @@ impl TimeTable {
         if self.extrapolation == Extrapolation::Periodic && period > 0.0 && !self.stops.is_empty() {
             let turn = ((table_time + slack - first) / period).floor();
             for turn in [turn, turn + 1.0] {
-                let later = self.stops.iter().map(|s| s + turn * period + self.shift);
-                if let Some(stop) = later.into_iter().find(|s| *s > t + slack) {
+                let later = self.stop_after(t + slack, |s| s + turn * period + self.shift);
+                if let Some(stop) = later {
                     return stop;
                 }
             }
         }
-        let next = self.stops.iter().map(|s| s + self.shift).find(|s| *s > t + slack);
-        next.unwrap_or(f64::MAX)
+        self.stop_after(t + slack, |s| s + self.shift).unwrap_or(f64::MAX)
     }
 
     /// The time of the table that equals `t` up to rounding, else `t` itself.
@@ -183,6 +192,22 @@ mod tests {
         assert_eq!(c.next_stop(1.0), f64::MAX);
         assert_eq!(c.at(1.0, f64::MAX, 0), 5.0);
         assert_eq!(c.at(9.0, f64::MAX, 0), 5.0);
+    }
+
+    /// A table of stairs with as many jumps as rows, and a search for each event: the cost is that of a few thousand.
+    #[test]
+    fn long_tables_are_searched_quickly() {
+        let n = 200_000;
+        let t: Vec<f64> = (0..n).map(|k| f64::from((k + 1) / 2)).collect();
+        let y: Vec<f64> = (0..n).map(|k| f64::from(k / 2)).collect();
+        let c = TimeTable::new(&t, &y, Smoothness::Linear, Extrapolation::Hold, NOW).unwrap();
+        let (mut now, mut events) = (0.0, 0);
+        while c.next_stop(now) < f64::MAX {
+            now = c.next_stop(now);
+            events += 1;
+            assert_eq!((c.at(now, now, 0), c.at(now, f64::MAX, 0)), (now - 1.0, now));
+        }
+        assert_eq!(events, n / 2 - 1);
     }
 
     #[test]

@@ -128,8 +128,8 @@ impl Samples {
         turns > 1 && greatest - least > ROUNDING * size
     }
 
-    /// True if the samples of the step and `start`, its first, have a smaller range than `change`, and
-    /// one that is more than rounding.
+    /// True if the samples of the step and `start`, its first, have a smaller range than `change`, which is more than
+    /// rounding. They have none at all if the step is a multiple of a period.
     pub fn is_outrun(&self, indicator: u32, start: f64, change: f64) -> bool {
         let first = usize::from(self.has_predecessor);
         let (mut least, mut greatest, mut size) = (start, start, start.abs());
@@ -138,7 +138,7 @@ impl Samples {
             (least, greatest, size) = (least.min(g), greatest.max(g), size.max(g.abs()));
         }
         let range = greatest - least;
-        range < change && range > ROUNDING * size
+        range < change && change > ROUNDING * size
     }
 
     fn at(&self, k: usize, indicator: usize) -> (f64, f64) {
@@ -218,6 +218,15 @@ mod tests {
         assert!(search(|t| (t - 0.456).powi(2)).1 < 1e-12);
         // A corner is not smooth, and is found as well.
         assert!(search(|t| (t - 0.456).abs()).1 < 1e-6);
+    }
+
+    #[test]
+    fn samples_at_multiples_of_a_period_are_outrun() {
+        let g = |t: f64| 0.5 - (12.0 * std::f64::consts::PI * t).sin();
+        let mut samples = Samples::new(1);
+        samples.begin(0.0);
+        [1.0 / 3.0, 2.0 / 3.0, 1.0].iter().for_each(|t| samples.add(*t, &[g(*t)]));
+        assert!(samples.is_outrun(0, g(0.0), 12.0) && !samples.is_outrun(0, g(0.0), 1e-9));
     }
 
     #[test]

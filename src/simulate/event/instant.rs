@@ -126,7 +126,7 @@ impl Simulation<'_, '_> {
                 // At the intersection of relations, rounding in one may flip the other: retry
                 // slightly later.
                 Err(EventError::NotConverged(..)) if may_shift => {
-                    self.system.machine.memory.copy_from_slice(&before);
+                    self.system.machine.restore_from(&before);
                     if let Some(s) = &mut self.sensitivity {
                         s.restore(derivatives.as_ref());
                     }

@@ -108,7 +108,7 @@ fn try_strategies<'p, T>(
     if outcome.as_ref().is_err_and(may_have_solution) && machine.tangents.is_none() {
         let saved = machine.save_fault();
         for &strategy in others {
-            machine.memory.copy_from_slice(&before);
+            machine.restore_from(&before);
             let found = attempt(machine, strategy);
             if found.is_ok() {
                 outcome = found;
@@ -262,6 +262,10 @@ fn iterate_with(
         if !repeat || effects.failed.is_some() {
             let now = (0..count).map(|k| machine.get(first + k));
             effects.changed |= now.zip(&before).any(|(a, b)| a != *b);
+            if machine.undetermined.take().is_some() {
+                // Whether that is so at the solution, too.
+                machine.run(&program.tapes.event)?;
+            }
             machine.run(&program.tapes.discrete)?;
             return Ok(effects);
         }

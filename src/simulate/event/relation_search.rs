@@ -105,7 +105,7 @@ impl RelationSearch<'_, '_> {
     /// contradict.
     fn contradicted(&mut self, values: &[f64]) -> Result<Option<usize>, Fault> {
         let first = self.machine.program.layout.relations;
-        self.machine.memory.copy_from_slice(self.entry_memory);
+        self.machine.restore_from(self.entry_memory);
         for (k, h) in self.lagged.iter().zip(values) {
             self.machine.set(first + k, *h);
         }

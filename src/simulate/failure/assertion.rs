@@ -79,6 +79,7 @@ impl Simulation<'_, '_> {
 
     /// Handles violated assertions and terminations of an event iteration.
     pub(crate) fn handle_effects(&mut self, effects: EventEffects, t: f64) -> Result<(), Failure> {
+        self.warn_of_undetermined(t);
         for (k, text) in std::mem::take(&mut self.system.machine.assertion_messages) {
             self.report(k, t, &text);
         }
