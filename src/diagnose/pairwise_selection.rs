@@ -68,11 +68,17 @@ pub fn pairs(search: &Search<'_>, hypothesis: &Hypothesis, ranking: &[Scored]) -
     let mut used = vec![0; ranking.len()];
     let mut known = FastSet::default();
     let (mut best, mut kept) = (Vec::new(), Vec::new());
+    // An instrument beside any effect explains a little of what its form leaves: half of the pairs are without one.
+    let mut with_instrument = 0;
     for Pair { members: [i, j], amplitudes, bic_gain } in all {
         let (first, second) = (&members[i], &members[j]);
         let numbers = [first.number, second.number];
         let is_used_up = |n: &usize| used[*n] == policy.pairs_per_member;
-        if best.len() == search.generosity() * policy.fitted_pairs || numbers.iter().any(is_used_up)
+        let most = search.generosity() * policy.fitted_pairs;
+        let has_instrument = [first, second].into_iter().any(|m| m.is_of_instrument(study));
+        if best.len() == most
+            || numbers.iter().any(is_used_up)
+            || has_instrument && with_instrument == most / 2
         {
             continue;
         }
@@ -87,6 +93,7 @@ pub fn pairs(search: &Search<'_>, hypothesis: &Hypothesis, ranking: &[Scored]) -
             continue;
         }
         kept.push([i, j]);
+        with_instrument += usize::from(has_instrument);
         numbers.iter().for_each(|n| used[*n] += 1);
         let per_place = study.effects[first.scored.effect].amplitudes.len();
         let (of_first, of_second) = amplitudes.split_at(first.candidates.len() * per_place);
@@ -100,6 +107,11 @@ pub fn pairs(search: &Search<'_>, hypothesis: &Hypothesis, ranking: &[Scored]) -
 }
 
 impl Member<'_> {
+    /// True for an effect of a sensor or an actuator.
+    fn is_of_instrument(&self, study: &Study) -> bool {
+        self.scored.place.signal.is_some() || study.effects[self.scored.effect].acts.is_some()
+    }
+
     /// The member as part of a proposal, with the promise of the pair and its own amplitudes. Its other
     /// shapes are those that score best alone.
     fn proposal(&self, gain: f64, amplitudes: &[f64]) -> Scored {
