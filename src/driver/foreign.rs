@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::base::name::split_unquoted;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
@@ -53,7 +54,7 @@ impl Session {
         let names: FastMap<String, &ForeignVariable> =
             interface.variables.iter().map(|v| (plain(&v.name), v)).collect();
         for setting in &mut request.settings {
-            let Some((name, value)) = setting.split_once('=') else { continue };
+            let Some((name, value)) = split_unquoted(setting, '=') else { continue };
             let (name, attribute) = match plain(name) {
                 name if names.contains_key(&name) => (name, ""),
                 name => match name.strip_suffix(".start") {
