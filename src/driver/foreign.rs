@@ -5,9 +5,9 @@ use std::borrow::Cow;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::base::name::split_unquoted;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
+use crate::base::name::split_unquoted;
 use crate::base::source::Span;
 use crate::fmu::cause::FmuCause;
 use crate::fmu::import::{model, text};

@@ -75,5 +75,8 @@ impl Session {
 /// A measure that is not `NAME = EXPRESSION` with a name of its own.
 pub(super) fn is_unreadable_measure(cause: &MeasureCause) -> bool {
     use MeasureCause::*;
-    matches!(cause, NoName { .. } | NotAnExpression { .. } | DuplicateName { .. } | TakenName { .. })
+    matches!(
+        cause,
+        NoName { .. } | NotAnExpression { .. } | DuplicateName { .. } | TakenName { .. }
+    )
 }

@@ -27,7 +27,9 @@ pub fn read(
         malformed(problems, WrongOverride::NoValue);
         return None;
     };
-    let Some(parts) = dotted_parts(left.trim()).into_iter().map(name_part).collect::<Option<Vec<_>>>() else {
+    let Some(parts) =
+        dotted_parts(left.trim()).into_iter().map(name_part).collect::<Option<Vec<_>>>()
+    else {
         malformed(problems, WrongOverride::NoName);
         return None;
     };

@@ -89,7 +89,9 @@ impl Curve {
     pub fn before(&self, u: f64, order: u8) -> f64 {
         let i = self.x.partition_point(|x| *x < u);
         match self.x.get(i) {
-            Some(x) if i > 0 && *x == u => polynomial(&self.segments[i - 1], u - self.x[i - 1], order),
+            Some(x) if i > 0 && *x == u => {
+                polynomial(&self.segments[i - 1], u - self.x[i - 1], order)
+            }
             _ => self.at(u, order),
         }
     }
