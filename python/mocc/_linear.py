@@ -110,6 +110,9 @@ class Linearization:
         """Units of states, inputs and outputs; empty if there is none."""
         self.eigenvalues = _eigenvalues(found)
         """Eigenvalues of `A`, 1/s, by descending real part."""
+        parts = found.get("participation")
+        self.participation: Matrix = np.full((n, n), np.nan) if parts is None else np.array(parts).reshape(n, n)
+        """For each eigenvalue (row) the part of each state (column); each row sums to 1. NaN if they cannot be computed."""
 
     def __iter__(self) -> Iterator[Matrix]:
         return iter((self.A, self.B, self.C, self.D))

@@ -127,7 +127,7 @@ pub fn linear_system<'py>(
         let all = recorded.map(|v| (program.name(*v).to_owned(), machine.value(*v))).collect();
         Ok(facts(program, system, all))
     })?;
-    let Facts { names, units, numbers, values, eigenvalues, time } =
+    let Facts { names, units, numbers, values, eigenvalues, participation, time } =
         found.map_err(|trouble: Trouble| trouble.raise(py))?;
     let out = PyDict::new(py);
     for (key, all) in ["states", "inputs", "outputs"].into_iter().zip(names) {
@@ -139,6 +139,7 @@ pub fn linear_system<'py>(
     out.set_item("units", units)?;
     out.set_item("values", values)?;
     out.set_item("eigenvalues", eigenvalues)?;
+    out.set_item("participation", participation)?;
     out.set_item("time", time)?;
     Ok(out)
 }
@@ -150,6 +151,8 @@ struct Facts {
     numbers: [Vec<f64>; 8],
     values: Vec<(String, f64)>,
     eigenvalues: Option<Vec<(f64, f64)>>,
+    /// For each eigenvalue the part of each state.
+    participation: Option<Vec<Vec<f64>>>,
     time: f64,
 }
 
@@ -158,7 +161,9 @@ fn facts(program: &Program, system: Linearization, values: Vec<(String, f64)>) -
     let all = system.states.iter().chain(&system.inputs).chain(&system.outputs);
     let unit = |v: &VarId| program.blocks.dae.variables[*v].unit.to_string();
     let eigenvalues = system.eigenvalues();
+    let participation = eigenvalues.as_ref().and_then(|all| system.participation(all));
     Facts {
+        participation,
         units: all.map(|v| (program.name(*v).to_owned(), unit(v))).collect(),
         names: [names(&system.states), names(&system.inputs), names(&system.outputs)],
         eigenvalues: eigenvalues.map(|all| all.into_iter().map(|x| (x.re, x.im)).collect()),

@@ -45,6 +45,9 @@ def test_a_linear_model_is_its_own_linear_system(motor):
     assert system.dx.tolist() == [100, 0] and system.y.tolist() == [0]
     assert system.units == {"i": "A", "w": "rad/s", "v": "V", "rpm": ""}
     assert "2 states" in repr(system) and "<table>" in system._repr_html_() and system.name == "Motor"
+    values, right = np.linalg.eig(a)
+    parts = np.abs(right * np.linalg.inv(right).T)[:, np.argsort(-values.real)].T
+    assert np.allclose(system.participation, parts / parts.sum(axis=1, keepdims=True), rtol=1e-9)
 
 
 def test_other_packages_take_it(motor):

@@ -13,6 +13,34 @@ pub fn name(text: &str) -> Name {
     ustr::ustr(text)
 }
 
+/// Splits a text at the first separator that is not inside of a quoted identifier, such as `'a.b'`.
+pub fn split_unquoted(text: &str, separator: char) -> Option<(&str, &str)> {
+    let (mut is_quoted, mut is_escaped) = (false, false);
+    for (at, c) in text.char_indices() {
+        match c {
+            _ if is_escaped => is_escaped = false,
+            '\\' if is_quoted => is_escaped = true,
+            '\'' => is_quoted = !is_quoted,
+            c if c == separator && !is_quoted => {
+                return Some((&text[..at], &text[at + c.len_utf8()..]));
+            }
+            _ => {}
+        }
+    }
+    None
+}
+
+/// The parts of a dotted name; those in quotes are whole.
+pub fn dotted_parts(mut text: &str) -> Vec<&str> {
+    let mut parts = Vec::new();
+    while let Some((part, rest)) = split_unquoted(text, '.') {
+        parts.push(part);
+        text = rest;
+    }
+    parts.push(text);
+    parts
+}
+
 /// The strings that have an id.
 #[derive(Default)]
 struct StringIds {
@@ -56,4 +84,17 @@ pub fn string_of_id(id: u32) -> Name {
     let known = STRING_IDS.read().unwrap_or_else(std::sync::PoisonError::into_inner);
     let found = known.as_ref().and_then(|k| k.names.get(&id));
     found.copied().unwrap_or_else(|| name(""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quoted_identifiers_are_whole() {
+        assert_eq!(dotted_parts("a.'b.c'[1].d"), ["a", "'b.c'[1]", "d"]);
+        assert_eq!(dotted_parts(r"'\'a.b\''.c"), [r"'\'a.b\''", "c"]);
+        assert_eq!(split_unquoted("'a=b'=3=4", '='), Some(("'a=b'", "3=4")));
+        assert_eq!(split_unquoted("ab", '='), None);
+    }
 }

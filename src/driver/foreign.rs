@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
+use crate::base::name::split_unquoted;
 use crate::base::source::Span;
 use crate::fmu::cause::FmuCause;
 use crate::fmu::import::{model, text};
@@ -53,7 +54,7 @@ impl Session {
         let names: FastMap<String, &ForeignVariable> =
             interface.variables.iter().map(|v| (plain(&v.name), v)).collect();
         for setting in &mut request.settings {
-            let Some((name, value)) = setting.split_once('=') else { continue };
+            let Some((name, value)) = split_unquoted(setting, '=') else { continue };
             let (name, attribute) = match plain(name) {
                 name if names.contains_key(&name) => (name, ""),
                 name => match name.strip_suffix(".start") {

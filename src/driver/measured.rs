@@ -3,11 +3,14 @@
 use super::compile::{CompileError, Request, Session};
 use super::subject::find;
 
+use crate::base::diag::Diagnostic;
+use crate::base::name::name;
+use crate::base::source::Span;
 use crate::ir::program::Program;
 use crate::measure::error::MeasureCause;
 use crate::measure::model as extended;
 use crate::measure::observe::Plan;
-use crate::measure::text::Measures;
+use crate::measure::text::{Measure, Measures};
 
 impl Session {
     /// The program of a request with the variables that measures need, and the measures.
@@ -41,6 +44,14 @@ impl Session {
                 read = Measures::read(measures, cx.class_graph.sources, cx.class_graph.problems);
                 read.has_slopes = has_slopes;
                 let base = cx.classes[class].full_name.to_string();
+                let table = cx.table(class);
+                let is_taken = |m: &&Measure| table.index.contains_key(&name(&m.name));
+                for measure in read.list.iter().filter(is_taken) {
+                    let name = measure.name.clone();
+                    let cause = MeasureCause::TakenName { name };
+                    cx.class_graph.problems.push(Diagnostic::new(cause, Span::NONE));
+                }
+                read.list.retain(|m| !table.index.contains_key(&name(&m.name)));
                 let annotation = cx.definition(class).and_then(|t| t.annotation.clone());
                 let file = extended::file(&read, &base, annotation, cx.sources);
                 cx.class_graph.library.add_file(&file, cx.class_graph.problems);
@@ -64,5 +75,8 @@ impl Session {
 /// A measure that is not `NAME = EXPRESSION` with a name of its own.
 pub(super) fn is_unreadable_measure(cause: &MeasureCause) -> bool {
     use MeasureCause::*;
-    matches!(cause, NoName { .. } | NotAnExpression { .. } | DuplicateName { .. })
+    matches!(
+        cause,
+        NoName { .. } | NotAnExpression { .. } | DuplicateName { .. } | TakenName { .. }
+    )
 }

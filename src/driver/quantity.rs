@@ -2,6 +2,7 @@
 
 use crate::base::cause::causes;
 use crate::base::diag::{did_you_mean, did_you_mean_or};
+use crate::base::name::split_unquoted;
 use crate::units::dimension::Dimension;
 use crate::units::unit::{Scale, Unit, is_frequency, measures_angle};
 
@@ -94,7 +95,7 @@ pub(super) struct Given {
 /// A setting `NAME=NUMBER UNIT` as one in SI units, and its unit; a setting without a unit as it is.
 pub(super) fn in_si(setting: &str) -> Result<(String, Option<Given>), QuantityCause> {
     let as_it_is = || Ok((setting.to_owned(), None));
-    let Some((name, value)) = setting.split_once('=') else { return as_it_is() };
+    let Some((name, value)) = split_unquoted(setting, '=') else { return as_it_is() };
     let Some((_, unit)) = split(value).filter(|(_, unit)| !unit.is_empty()) else {
         return as_it_is();
     };

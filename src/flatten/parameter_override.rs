@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::cause::{OverrideCause, WrongOverride};
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
-use crate::base::name::name;
+use crate::base::name::{dotted_parts, name, split_unquoted};
 use crate::base::source::{SourceMap, Span};
 use crate::evaluate::Evaluator;
 use crate::ir::ast::{Expr, Variability};
@@ -23,11 +23,13 @@ pub fn read(
         let cause = OverrideCause::Malformed { text: text.to_string(), why };
         problems.push(Diagnostic::new(cause, Span::NONE));
     };
-    let Some((left, right)) = text.split_once('=') else {
+    let Some((left, right)) = split_unquoted(text, '=') else {
         malformed(problems, WrongOverride::NoValue);
         return None;
     };
-    let Some(parts) = left.trim().split('.').map(name_part).collect::<Option<Vec<_>>>() else {
+    let Some(parts) =
+        dotted_parts(left.trim()).into_iter().map(name_part).collect::<Option<Vec<_>>>()
+    else {
         malformed(problems, WrongOverride::NoName);
         return None;
     };
@@ -42,7 +44,7 @@ pub fn read(
 
 /// `name` or `name[1,2]`
 fn name_part(text: &str) -> Option<(crate::base::name::Name, Vec<usize>)> {
-    let (word, rest) = text.split_once('[').unwrap_or((text, "]"));
+    let (word, rest) = split_unquoted(text, '[').unwrap_or((text, "]"));
     let list = rest.strip_suffix(']')?;
     let subscripts = if list.is_empty() {
         Vec::new()

@@ -25,6 +25,10 @@ causes! {
         error MO1105 NotANumber { name: String }
             => ("the measure `{name}` is not a single number"),
             help("choose one value: `final(e)`, `max(e)`, `mean(e)`, `at(e, t)`, ...");
+        /// A measure has the name of a variable or class of the model.
+        error MO1106 TakenName { name: String }
+            => ("the measure `{name}` has the name of a variable of the model"),
+            help("give it another name, such as `{name}_1 = ...`");
         /// The right side of a measure cannot be parsed.
         error MO1120 NotAnExpression { measure: String }
             => ("the measure `{measure}` is not an expression"),

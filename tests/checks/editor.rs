@@ -195,6 +195,18 @@ fn diagnostics_follow_the_text_and_repair_it() {
     editor.edit("magnt.flange", "magnet.flange");
     editor.edit("f = G", "f = F");
     assert_eq!(editor.diagnostics, Vec::<Value>::new());
+    let repaired = |editor: &mut Editor| {
+        let range = editor.diagnostics[0]["range"].clone();
+        let uri = json!({ "uri": editor.address });
+        editor.ask("textDocument/codeAction", json!({ "textDocument": uri, "range": range }))
+            [0]["title"]
+            .clone()
+    };
+    editor.edit("end Push;", "end Pish;");
+    assert_eq!(repaired(&mut editor), "Replace `Pish` by `Push`");
+    editor.edit("end Pish;", "end Push;");
+    editor.edit("flange);\n", "flange)\n");
+    assert_eq!(repaired(&mut editor), "Insert `;`");
     editor.close();
 }
 
@@ -232,6 +244,11 @@ fn names_are_explained_found_and_renamed() {
     let wanted = rename("7", &editor);
     let reply = editor.reply("textDocument/rename", wanted);
     assert_eq!(reply["error"]["message"], "`7` is not a name");
+    for (new, said) in [("model", "`model` is a keyword"), ("spool", "already a `spool`")] {
+        let wanted = rename(new, &editor);
+        let reply = editor.reply("textDocument/rename", wanted);
+        assert!(reply["error"]["message"].to_string().contains(said), "{reply}");
+    }
     editor.close();
 }
 
@@ -267,6 +284,39 @@ fn completion_knows_members_modifiers_and_classes() {
     editor.edit("equation\n", "equation\n  spool.\n");
     let items = editor.at("textDocument/completion", "  spool.\n", 8);
     assert!(has(&items, "flange"), "{:?}", labels(&items));
+    editor.close();
+}
+
+#[test]
+fn completion_knows_elements_of_arrays_literals_and_attributes() {
+    let text = "model M\n  type Mode = enumeration(slow, fast);\n  model Part\n    Real x = 1;\n    Mode m = Mode.slow;\n  end Part;\n  Part p[2, 2];\n  Real y(unit = \"m\") = p[1, 2].x;\nend M;\n";
+    let mut editor = Editor::open(text);
+    let labels = |items: Value| -> Vec<String> {
+        let items = items.as_array().expect("a list").iter();
+        items.map(|i| i["label"].as_str().expect("a label").to_owned()).collect()
+    };
+    assert_eq!(labels(editor.at("textDocument/completion", "p[1, 2].x", 8)), ["x", "m"]);
+    assert_eq!(labels(editor.at("textDocument/completion", "Mode.slow", 5)), ["slow", "fast"]);
+    let found = labels(editor.at("textDocument/completion", "(unit", 1));
+    assert!(found.contains(&"displayUnit".to_owned()) && found[0] == "start", "{found:?}");
+    editor.close();
+}
+
+/// A wrong plan has diagnostics, and a repair.
+#[test]
+fn plans_are_checked_while_they_are_written() {
+    let mut editor = Editor::open(MODEL);
+    let text = "model = \"push.mo\"\n[goal]\nminimise = \"x = final(spool.s)\"\n[free]\nF = { min = 1, max = 2 }\n";
+    editor.address = editor.address.replace("push.mo", "plan.toml");
+    editor.text = text.to_owned();
+    let document =
+        json!({ "uri": editor.address, "languageId": "toml", "version": 1, "text": text });
+    editor.tell("textDocument/didOpen", json!({ "textDocument": document }));
+    editor.wait();
+    let codes: Vec<&Value> = editor.diagnostics.iter().map(|d| &d["code"]).collect();
+    assert!(codes.contains(&&json!("MO1402")), "{codes:?}");
+    editor.edit("minimise", "minimize");
+    assert_eq!(editor.diagnostics, Vec::<Value>::new());
     editor.close();
 }
 

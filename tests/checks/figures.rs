@@ -36,6 +36,33 @@ fn the_script_makes_the_pictures_that_the_readme_names() {
     }
 }
 
+/// Units are those of the file, or those that the user wants; a table of a spreadsheet has semicolons.
+#[test]
+fn axes_have_the_units_of_the_file() {
+    let folder = Scratch::new();
+    folder.file(
+        "fall.mo",
+        "model Fall\n  Real h(unit = \"m\", start = 2, fixed = true);\nequation\n  der(h) = -1;\nend Fall;\n",
+    );
+    let run = |arguments: &[&str]| {
+        let ended = mocc(folder.path(), arguments);
+        assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{arguments:?}");
+        ended.out
+    };
+    for format in ["parquet", "mat"] {
+        let file = format!("run.{format}");
+        run(&["simulate", "fall.mo", "--output", &file, "--quiet"]);
+        let svg = run(&["plot", &file, "--output", "-"]);
+        assert!(svg.contains("h in m") && svg.contains("time in s"), "{format}: {svg}");
+        let svg = run(&["plot", &file, "--unit", "h=mm", "--output", "-"]);
+        assert!(svg.contains("h in mm") && svg.contains("2000"), "{format}: {svg}");
+    }
+    folder.file("excel.csv", "t;x\n0,5;1\n1,5;2,25\n");
+    assert!(run(&["plot", "excel.csv", "--output", "-"]).contains("2.2"));
+    let ended = mocc(folder.path(), &["plot", "excel.csv", "--unit", "x=mm"]);
+    assert!(ended.status == 2 && ended.err.contains("does not say in which unit `x` is"));
+}
+
 #[test]
 fn missing_columns_are_reported() {
     let folder = Scratch::new();
@@ -53,9 +80,9 @@ fn missing_columns_are_reported() {
         ended.err
     };
     assert!(said(&["--x", "t: t_s", "--y", "x: time"]).contains("no columns for `t`"));
-    assert!(
-        said(&["--x", "t: time", "--y", "x: b"]).contains("no table has the columns of a panel")
-    );
+    assert!(said(&["--x", "t: time", "--y", "x: b"]).contains("no columns for `x`"));
+    assert!(said(&["--y", "a.y"]).contains("did you mean"), "{}", said(&["--y", "a.y"]));
+    assert!(said(&["--range", "5:6"]).contains("no row is within the range 5:6"));
     assert!(said(&["--x", "t: time", "--y", "x: atan2(time, time)"]).contains("are supported"));
     // Without a label, a column or a formula is its own label.
     assert_eq!(plot(&["--x", "time", "--y", "a.x[1]", "--y", "2*time"]).status, 0);

@@ -170,6 +170,48 @@ fn what_does_not_rest_is_named() {
     assert!(found["states"]["v"].as_f64().expect("v").abs() < 1e-12);
 }
 
+/// A fast state that a slow one drives: each eigenvalue is that of its own state.
+#[test]
+fn eigenvalues_name_the_states_that_take_part() {
+    let pair = "model Pair\n  input Real u;\n  Real slow(start = 0, fixed = true);\n  Real fast(start = 0, fixed = true);\nequation\n  der(slow) = u - slow;\n  der(fast) = 1e6*slow - 100*fast;\nend Pair;\n";
+    let found = json(pair, &["linearize"]);
+    assert_eq!(numbers(&found["eigenvalues"]), [-1.0, 0.0, -100.0, 0.0]);
+    for (part, expected) in numbers(&found["participation"]).iter().zip([1.0, 0.0, 0.0, 1.0]) {
+        assert_close(*part, expected, 1e-9);
+    }
+    let (_, ended) = run(pair, &["linearize"]);
+    assert!(ended.out.contains("time constant 1 s; slow 100 %"), "{}", ended.out);
+    let found = json(PENDULUM, &["linearize", "--at", "steady"]);
+    numbers(&found["participation"]).iter().for_each(|part| assert_close(*part, 0.5, 1e-2));
+}
+
+#[test]
+fn a_bode_picture_has_magnitude_and_phase() {
+    let (folder, ended) = run(TANK, &["linearize", "--bode", "tank.svg"]);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""));
+    let svg = std::fs::read_to_string(folder.path().join("tank.svg")).expect("a picture");
+    for text in ["magnitude in dB", "phase in degrees", "frequency in Hz", "y by u"] {
+        assert!(svg.contains(text), "no {text}");
+    }
+    let (_, ended) = run(SLIDER, &["linearize", "--bode", "out.svg"]);
+    assert!(ended.status == 2 && ended.err.contains("the model has no input"), "{}", ended.err);
+}
+
+#[test]
+fn inputs_have_units_and_json_needs_no_file() {
+    let found = json(TANK, &["steady", "--input", "u=2 cm/s"]);
+    assert_close(found["states"]["x"].as_f64().expect("x"), 0.2, 1e-9);
+    let (_, ended) = run(TANK, &["steady", "--input", "u=2 bar"]);
+    assert!(ended.status == 2 && ended.err.contains("`u` is in `m/s`, not in `bar`"));
+    let folder = Scratch::new();
+    folder.file("model.mo", TANK);
+    for arguments in [["linearize", "model.mo", "--json"], ["linearize", "--json", "model.mo"]] {
+        let ended = mocc(folder.path(), &arguments);
+        let found: serde_json::Value = serde_json::from_str(&ended.out).expect("JSON");
+        assert_eq!(numbers(&found["A"]), [-2.0]);
+    }
+}
+
 #[test]
 fn wrong_requests_are_usage_errors() {
     for (arguments, said) in [

@@ -1,7 +1,8 @@
 //! The program itself, as a user runs it.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// What one command left behind.
 pub struct Ended {
@@ -36,4 +37,21 @@ pub fn command(folder: &Path, arguments: &[&str], environment: &[(&str, &Path)])
 pub fn fmu_runtime() -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_BIN_EXE_mocc")).with_file_name("libmocc_fmu.so");
     path.exists().then_some(path)
+}
+
+/// Runs `mocc` with a text on its standard input.
+pub fn piped(folder: &Path, arguments: &[&str], input: &str) -> Ended {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_mocc"))
+        .current_dir(folder)
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("mocc starts");
+    child.stdin.take().expect("a pipe").write_all(input.as_bytes()).expect("it reads");
+    let output = child.wait_with_output().expect("it ends");
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
+    let status = output.status.code().expect("no signal");
+    Ended { status, out: text(&output.stdout), err: text(&output.stderr) }
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use super::door::Scratch;
-use super::program::{Ended, mocc};
+use super::program::{Ended, mocc, piped};
 
 /// A ramp that a switch starts, and a wave.
 const MODEL: &str = "model Ramp
@@ -219,8 +219,9 @@ fn wrong_use_has_one_message_and_status_2() {
     let nothing = "neither a file NAME.test.toml nor a model with `__mocc(tests(...))`\n";
     assert_eq!(said(&empty, &[]), format!("error: there are no tests in .: {nothing}"));
     assert!(said(&folder, &["none"]).starts_with("error: cannot read none: "));
-    let err = said(&folder, &["ramp.mo"]);
-    assert_eq!(err, format!("error: there are no tests in ramp.mo: {nothing}"));
+    folder.file("plain.mo", MODEL);
+    let err = said(&folder, &["plain.mo"]);
+    assert_eq!(err, format!("error: there are no tests in plain.mo: {nothing}"));
     folder.file("ramp.csv", "time,x\n");
     assert!(said(&folder, &["ramp.csv"]).contains("ramp.csv is neither a test file"));
     assert_eq!(said(&folder, &["--filter", "zzz"]), "error: no test matches `zzz`; there are 1\n");
@@ -230,8 +231,56 @@ fn wrong_use_has_one_message_and_status_2() {
     let err = said(&folder, &[]);
     assert!(
         err.contains("error[MO1402]: unknown key `trace`")
-            && err.contains("did you mean `traces`?"),
+            && err.contains("did you mean `traces`?")
+            && !err.contains("expects nothing"),
         "{err}"
+    );
+    folder.file("bad.test.toml", "model = \"ramp.mo\"\n");
+    assert!(said(&folder, &[]).contains("help: add a table `[[test]]`"));
+    folder.file("bad.test.toml", "[[test]]\nname = \"a\"\ntraces = true\n");
+    folder.file(
+        "slip.mo",
+        "model A\n  Real x = time;\n  annotation(__mocc(test(a(traces = true))));\nend A;\n",
+    );
+    let err = said(&folder, &["slip.mo"]);
+    assert!(err.contains("unknown key `test`") && err.contains("`tests`?"), "{err}");
+}
+
+#[test]
+fn a_model_stands_for_its_test_file_and_a_test_file_may_be_piped() {
+    let folder = accepted();
+    let ended = test(&folder, &["ramp.mo"]);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{}", ended.out);
+    assert!(ended.out.contains("pass  ramp.test.toml"), "{}", ended.out);
+    let text = "model = \"ramp.mo\"\n[[test]]\nname = \"ends\"\ndiagnostics = []\n";
+    let ended = piped(folder.path(), &["test", "-"], text);
+    assert_eq!((ended.status, ended.err.as_str()), (0, ""), "{}", ended.out);
+    assert!(ended.out.starts_with("pass  stdin.test.toml: ends"), "{}", ended.out);
+}
+
+/// Bounds are in the units of what they bound, which need not be SI.
+#[test]
+fn bounds_of_measures_are_converted_to_their_units() {
+    let folder = Scratch::new();
+    folder.file(
+        "warm.mo",
+        "model Warm\n  Real T(unit = \"degC\", start = 20, fixed = true);\nequation\n  der(T) = 1;\nend Warm;\n",
+    );
+    let bounded = |min: &str| {
+        let text = format!(
+            "[[test]]\nname = \"a\"\nmeasures = {{ T_e = {{ is = \"final(T)\", min = \"{min}\" }} }}\n"
+        );
+        folder.file("warm.test.toml", &text);
+        test(&folder, &[])
+    };
+    assert_eq!(bounded("294 K").status, 0);
+    assert_eq!(bounded("20.9 degC").status, 0);
+    assert_eq!(bounded("295 K").status, 1);
+    let ended = bounded("3 bar");
+    assert!(
+        ended.out.contains("`T_e` is in `degC`, which `bar` does not measure"),
+        "{}",
+        ended.out
     );
 }
 

@@ -1,12 +1,11 @@
 //! The first hour: `mocc new`, `mocc plan`, `mocc lib`, pipes, units, completions.
 
 use std::fs;
-use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
 use super::door::Scratch;
-use super::program::{Ended, fmu_runtime, mocc};
+use super::program::{Ended, fmu_runtime, mocc, piped};
 
 fn done(folder: &Path, arguments: &[&str]) -> Ended {
     let ended = mocc(folder, arguments);
@@ -18,23 +17,6 @@ fn refused(folder: &Path, arguments: &[&str]) -> String {
     let ended = mocc(folder, arguments);
     assert_eq!(ended.status, 2, "{arguments:?}\n{}{}", ended.out, ended.err);
     ended.err
-}
-
-/// Runs `mocc` with a text on its standard input.
-fn piped(folder: &Path, arguments: &[&str], input: &str) -> Ended {
-    let mut child = Command::new(env!("CARGO_BIN_EXE_mocc"))
-        .current_dir(folder)
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("mocc starts");
-    child.stdin.take().expect("a pipe").write_all(input.as_bytes()).expect("it reads");
-    let output = child.wait_with_output().expect("it ends");
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
-    let status = output.status.code().expect("no signal");
-    Ended { status, out: text(&output.stdout), err: text(&output.stderr) }
 }
 
 #[test]
@@ -497,4 +479,149 @@ fn quiet_commands_print_nothing_but_errors() {
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+const WARM: &str = "model Warm
+  parameter Real T_0(unit = \"degC\") = 20;
+  parameter Real p_0(unit = \"bar\") = 2;
+  parameter Real n(unit = \"rpm\") = 60;
+  parameter Integer count = integer(p_0);
+  Real T(unit = \"degC\", start = T_0, fixed = true);
+  Real p[count](each unit = \"bar\") = fill(p_0, count);
+  Real w(unit = \"rad/s\") = n*0.1;
+equation
+  der(T) = 1;
+end Warm;
+";
+
+/// A parameter that is not declared in an SI unit takes a value in its own unit, whatever unit the user writes.
+#[test]
+fn values_are_converted_to_the_units_of_declarations() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    folder.file("warm.mo", WARM);
+    let first = |more: &[&str]| -> Vec<String> {
+        let mut all = vec!["simulate", "warm.mo", "--variables", "^(T|p.*|w)$"];
+        all.extend(["--output", "-", "--quiet", "--stop", "1", "--interval", "1"]);
+        all.extend(more);
+        let ended = mocc(path, &all);
+        assert_eq!(ended.status, 0, "{more:?}: {}", ended.err);
+        ended.out.lines().nth(1).expect("a row").split(',').map(str::to_owned).collect()
+    };
+    assert_eq!(first(&["--set", "T_0=30 degC"])[1], "30.0");
+    assert_eq!(first(&["--set", "T_0=300 K"])[1], "26.85");
+    assert_eq!(first(&["--set", "n=120 rpm"]).last().map(String::as_str), Some("12.0"));
+    // The value is that of a size, too.
+    assert_eq!(first(&["--set", "p_0=3e5 Pa"])[2..5], ["3.0", "3.0", "3.0"]);
+    assert_eq!(first(&["--unit", "T=K"])[1], "293.15");
+    assert_eq!(first(&["--unit", "p[1]=kPa"])[2], "200.0");
+    for (wrong, said) in [
+        (["--set", "n=2 Hz"], "cannot convert `Hz` to `rpm`"),
+        (["--set", "T_0=2 bar"], "cannot convert `bar` to `degC`"),
+        (["--unit", "w=Hz"], "`w` is in `rad/s`, which `Hz` does not measure"),
+    ] {
+        let ended = mocc(path, &[&["simulate", "warm.mo"][..], &wrong].concat());
+        assert!(ended.status == 2 && ended.err.contains(said), "{wrong:?}: {}", ended.err);
+    }
+    let table = done(
+        path,
+        &[
+            "sweep",
+            "warm.mo",
+            "--vary",
+            "T_0=20 degC,300 K",
+            "--measure",
+            "T_e = final(T)",
+            "--output",
+            "-",
+        ],
+    );
+    let ends: Vec<f64> = table
+        .out
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').nth(2).expect("T_e").parse().expect("a number"))
+        .collect();
+    assert!((ends[0] - 21.0).abs() < 1e-9 && (ends[1] - 27.85).abs() < 1e-9, "{}", table.out);
+}
+
+#[test]
+fn names_in_quotes_are_set() {
+    let folder = Scratch::new();
+    folder.file(
+        "odd.mo",
+        "model Odd\n  parameter Real 'a.b = c'[2] = {1, 2};\n  Real x = 'a.b = c'[1] + 'a.b = c'[2];\nend Odd;\n",
+    );
+    let all = ["simulate", "odd.mo", "--set", "'a.b = c'[2]=5", "--output", "-", "--quiet"];
+    let ended = done(folder.path(), &all);
+    assert!(
+        ended.out.lines().nth(1).is_some_and(|row| row.starts_with("0.0,6.0")),
+        "{}",
+        ended.out
+    );
+}
+
+#[test]
+fn files_of_the_wrong_kind_are_refused() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    folder.file("decay.mo", DECAY);
+    folder.file("plan.toml", "model = 1\n");
+    let err = refused(path, &["simulate", "plan.toml"]);
+    assert!(err.contains("error[MO0111]") && err.contains("mocc calibrate"), "{err}");
+    for (arguments, wanted) in [
+        (&["export", "fmu", "decay.mo", "--output", "decay.zip"][..], ".fmu"),
+        (&["import", "a.fmu", "--output", "a.txt"], ".mo or .mol"),
+        (&["plan", "decay.mo", ".", "--output", "plan.txt"], ".toml"),
+        (&["test", "--junit", "out.txt"], ".xml"),
+        (&["structure", "decay.mo", "--dot", "out.svg"], ".dot or .gv"),
+        (&["steady", "decay.mo", "--json", "out.txt"], ".json"),
+        (&["linearize", "decay.mo", "--bode", "out.pdf"], ".svg or .png"),
+    ] {
+        let err = refused(path, arguments);
+        assert!(err.contains(&format!("its name must end in {wanted}")), "{arguments:?}: {err}");
+    }
+    let err = refused(path, &["simulate", "decay.mo", "--measure", "q = final(q)"]);
+    assert!(err.contains("error[MO1106]") && err.matches("error").count() == 1, "{err}");
+    assert!(refused(path, &["import", "-"]).contains("save the FMU"));
+}
+
+/// Names with brackets, components' parameters, a time in minutes.
+#[test]
+fn plans_are_guessed_for_components() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    folder.file(
+        "plant.mo",
+        "model Plant\n  model Tank\n    parameter Real k(unit = \"1/s\") = 0.01;\n    parameter Real h_0(unit = \"m\") = 1;\n    Real h(unit = \"m\", start = h_0, fixed = true);\n  equation\n    der(h) = -k*h;\n  end Tank;\n  Tank tanks[2];\nend Plant;\n",
+    );
+    folder.file("data/a.csv", "Time [min],tanks[1].h [cm]\n0,100\n1,55\n2,30\n3,16\n");
+    folder.file("data/table.csv", "file,tanks[2].h_0 [cm]\na.csv,100\n");
+    let plan = done(path, &["plan", "plant.mo", "data"]).out;
+    for part in [
+        "unit = \"min\"",
+        "\"tanks[1].h [cm]\" = { variable = \"tanks[1].h\", unit = \"cm\" }",
+        "\"tanks[2].h_0 [cm]\" = { parameter = \"tanks[2].h_0\", unit = \"cm\" }",
+        "\"tanks[1].k\" = { min = 0.002, max = 0.05 }",
+    ] {
+        assert!(plan.contains(part), "no {part} in\n{plan}");
+    }
+    folder.file("plan.toml", &plan);
+    done(path, &["check", "plan.toml"]);
+}
+
+#[test]
+fn plans_of_designs_tests_and_settings_are_checked() {
+    let folder = Scratch::new();
+    let path = folder.path();
+    folder.file("decay.mo", DECAY);
+    let design = "model = \"decay.mo\"\n[goal]\nminimize = \"q_e = final(q)\"\n[free]\np = { min = 1, max = \"2 bar\" }\n";
+    folder.file("design.toml", design);
+    done(path, &["check", "design.toml"]);
+    folder.file("design.toml", &design.replace("p = {", "pp = {"));
+    assert!(refused(path, &["check", "design.toml"]).contains("no parameter `pp`"));
+    folder.file("decay.test.toml", "[[test]]\nname = \"a\"\ntraces = true\n");
+    done(path, &["check", "decay.test.toml"]);
+    folder.file("decay.test.toml", "[[test]]\nname = \"a\"\ntrace = true\n");
+    assert!(refused(path, &["check", "decay.test.toml"]).contains("unknown key `trace`"));
 }

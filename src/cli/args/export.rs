@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 
 use super::model::Model;
+use super::values::{fmu, modelica};
 
 /// What to export.
 #[derive(Args, Debug)]
@@ -34,7 +35,7 @@ pub struct ExportFmu {
     #[arg(long = "type", value_enum, value_name = "TYPE", default_value = "both")]
     pub kind: FmuType,
     /// File to write; `-` is the standard output [default: the name of the model, with `.fmu`].
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = fmu)]
     pub output: Option<PathBuf>,
     /// Shared library that runs the model [default: `libmocc_fmu.so` next to mocc].
     #[arg(long, value_name = "PATH")]
@@ -54,7 +55,7 @@ pub struct Import {
     #[arg(value_name = "FMU")]
     pub file: PathBuf,
     /// File to write; `-` prints it [default: the name of the block, with `.mo`].
-    #[arg(short, long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE", value_parser = modelica)]
     pub output: Option<PathBuf>,
     /// Name of the block [default: that of the FMU's file].
     #[arg(long, value_name = "NAME")]

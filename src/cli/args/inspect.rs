@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use super::model::{Limits, Model, request};
-use super::values::picture;
+use super::values::{graph, picture};
 use crate::base::diag::Severity;
 use crate::driver::compile::Request;
 
@@ -90,7 +90,7 @@ pub struct Structure {
     #[arg(long, value_name = "PATH", value_parser = picture)]
     pub svg: Option<PathBuf>,
     /// Write the blocks and their dependencies as a Graphviz graph instead; `-` prints it.
-    #[arg(long, value_name = "PATH")]
+    #[arg(long, value_name = "PATH", value_parser = graph)]
     pub dot: Option<PathBuf>,
     /// Print nothing but errors.
     #[arg(long, short)]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::values::page;
+use super::values::{junit, page};
 
 /// Tests of models.
 #[derive(Args, Debug)]
@@ -22,7 +22,7 @@ pub struct Test {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub jobs: Option<u64>,
     /// Write the outcomes as JUnit XML; `-` prints it in place of the text.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = junit)]
     pub junit: Option<PathBuf>,
     /// Print the outcomes as JSON on standard output.
     #[arg(long)]

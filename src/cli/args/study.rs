@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::model::{is_standard, request};
-use super::values::{json, seconds};
+use super::values::{json, plan, seconds};
 use crate::driver::compile::Request;
 
 /// A plan to be completed.
@@ -18,7 +18,7 @@ pub struct PlanSkeleton {
     #[arg(value_name = "DATA")]
     pub data: PathBuf,
     /// The plan, .toml [default: standard output].
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = plan)]
     pub output: Option<PathBuf>,
     /// Full name of the model [default: the last model of FILE that is not partial].
     #[arg(long, value_name = "NAME")]

@@ -14,6 +14,31 @@ pub fn page(text: &str) -> Result<PathBuf, String> {
     standard(text).map_or_else(|| with_extension(text, &["html", "htm"]), Ok)
 }
 
+/// A Functional Mock-up Unit by its extension, or `-` for the standard output.
+pub fn fmu(text: &str) -> Result<PathBuf, String> {
+    standard(text).map_or_else(|| with_extension(text, &["fmu"]), Ok)
+}
+
+/// A file of models by its extension, or `-` for the standard output.
+pub fn modelica(text: &str) -> Result<PathBuf, String> {
+    standard(text).map_or_else(|| with_extension(text, &["mo", "mol"]), Ok)
+}
+
+/// A plan by its extension, or `-` for the standard output.
+pub fn plan(text: &str) -> Result<PathBuf, String> {
+    standard(text).map_or_else(|| with_extension(text, &["toml"]), Ok)
+}
+
+/// A file of JUnit by its extension, or `-` for the standard output.
+pub fn junit(text: &str) -> Result<PathBuf, String> {
+    standard(text).map_or_else(|| with_extension(text, &["xml"]), Ok)
+}
+
+/// A graph for Graphviz by its extension, or `-` for the standard output.
+pub fn graph(text: &str) -> Result<PathBuf, String> {
+    standard(text).map_or_else(|| with_extension(text, &["dot", "gv"]), Ok)
+}
+
 /// A file for JSON by its extension, or `-` for the standard output.
 pub fn json(text: &str) -> Result<PathBuf, String> {
     standard(text).map_or_else(|| with_extension(text, &["json"]), Ok)

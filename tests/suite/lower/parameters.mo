@@ -15,3 +15,36 @@ model Box
 equation
   der(x) = -length*x;
 end Box;
+
+//@ case two_first_values
+model Count
+  discrete Integer n(start = 1, fixed = true);
+equation
+  when time > 0.5 then
+    n = pre(n) + 1;
+  end when;
+initial equation
+  //@ error[MO0335] 3-13
+  pre(n) = 2;
+end Count;
+
+//@ case one_first_value_said_twice
+model Count
+  discrete Integer n(start = 2, fixed = true);
+equation
+  when time > 0.5 then
+    n = pre(n) + 1;
+  end when;
+initial equation
+  pre(n) = 2;
+end Count;
+
+//@ case attributes_of_another_type
+model Box
+  //@ error[MO0212] 15-16
+  Real x(unit = 1) = 1;
+  //@ error[MO0212] 16-17
+  Real y(fixed = 1, start = 2);
+equation
+  der(y) = 1;
+end Box;

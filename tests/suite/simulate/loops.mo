@@ -41,7 +41,7 @@ end Ring;
 //@ expect messages has "do not determine `a`, `b` and `c`"
 
 //@ case dependent_equations_that_change
-// What is singular only at some times is seen by the simulation.
+// Coefficients that change with the time: the equations repeat each other at all times.
 model Ring
   Real g = 1 + time;
   Real a;
@@ -49,15 +49,48 @@ model Ring
   Real c;
   Real x(start = 0, fixed = true);
 equation
+  //@ warning[MO0410] 3-25
   g*(a - b) = g*sin(time);
   g*(b - c) = g*cos(time);
-  //@ warning[MO0918] 3-40
   g*(c - a) = -g*(sin(time) + cos(time));
   der(x) = a - c;
   annotation(experiment(StopTime = 1, Tolerance = 1e-9));
 end Ring;
 //@ expect x = 1 - cos(1) + sin(1) rel 1e-8
-//@ expect messages has "at time 0 s nothing determines `c`"
+//@ expect messages has "do not determine `a`, `b` and `c`"
+
+//@ case nonlinear_equations_that_repeat_each_other
+// Whatever the values are, the second equation says what the first one says.
+model Product
+  Real a;
+  Real b;
+  Real x(start = 0, fixed = true);
+equation
+  //@ error[MO0410] 3-23
+  sin(a)*b = cos(x) + 1;
+  2*sin(a)*b = 2*cos(x) + 2;
+  der(x) = a;
+end Product;
+
+//@ case undetermined_in_one_branch
+// What is singular in one branch only is seen by the simulation, also if no step evaluates it again.
+model Branch
+  Real x(start = 3);
+  Real y;
+  Real z(start = 0, fixed = true);
+equation
+  if time < 0.5 then
+    //@ warning[MO0918] 5-9
+    x = y;
+  else
+    x = 1;
+  end if;
+  y = x;
+  der(z) = x;
+  annotation(experiment(StopTime = 1));
+end Branch;
+//@ expect z = 2 rel 1e-6
+//@ expect messages has "at time 0 s nothing determines `x`"
 
 //@ case coefficients_that_vanish
 // A winding at an angle: of its two components one vanishes, at 0 exactly, at pi/2 by rounding.
