@@ -38,6 +38,7 @@ equation
 initial equation
   pre(n) = 2;
 end Count;
+//@ expect n = 3
 
 //@ case attributes_of_another_type
 model Box
