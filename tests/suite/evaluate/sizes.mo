@@ -68,9 +68,9 @@ end Sized;
 // Each of these would take more memory than there is.
 model Large
   parameter Real v[100000] = ones(100000);
-  //@ error[MO0297] 27-45
+  //@ error[MO0297] 26-43
   parameter Real a = sum(outerProduct(v, v));
-  //@ error[MO0297] 27-38
+  //@ error[MO0297] 26-36
   parameter Real b = sum(diagonal(v));
   Real y = v[1];
 end Large;
@@ -85,7 +85,7 @@ model Doubled
   algorithm
     a := {1.0};
     for i in 1:n loop
-      //@ error[MO0297] 12-24
+      //@ error[MO0297] 12-23
       a := cat(1, a, a);
     end for;
     s := sum(a);
