@@ -238,7 +238,7 @@ pub fn sensitivities<'py>(
         settings.tolerance = tolerance.unwrap_or(settings.tolerance);
         set_all(program, &of_run, &mut settings)?;
         let input = |name: &String| {
-            let plain: String = name.chars().filter(|c| !c.is_whitespace()).collect();
+            let plain = mocc::base::name::without_spaces(name);
             settable(program, &plain).ok_or_else(|| {
                 wrong(format!("`{name}` is not a Real parameter or start value that a run may set"))
             })

@@ -309,7 +309,7 @@ impl Model {
         let base = &self.base.program;
         let (mut of_run, mut of_program) = (Vec::new(), Vec::new());
         for (name, setting) in settings {
-            let name: String = name.chars().filter(|c| !c.is_whitespace()).collect();
+            let name = mocc::base::name::without_spaces(&name);
             match setting {
                 Setting::Number(x) if settable(base, &name).is_some() => of_run.push((name, x)),
                 other => of_program.push(format!("{name}={}", other.value().expression())),

@@ -30,6 +30,21 @@ pub fn split_unquoted(text: &str, separator: char) -> Option<(&str, &str)> {
     None
 }
 
+/// A name without the spaces outside of quoted identifiers: `a[1, 2]` as `a[1,2]`, and `'a b'` as it is.
+pub fn without_spaces(text: &str) -> String {
+    let (mut is_quoted, mut is_escaped) = (false, false);
+    let kept = |c: &char| {
+        match c {
+            _ if is_escaped => is_escaped = false,
+            '\\' if is_quoted => is_escaped = true,
+            '\'' => is_quoted = !is_quoted,
+            _ => {}
+        }
+        is_quoted || !c.is_whitespace()
+    };
+    text.chars().filter(kept).collect()
+}
+
 /// The parts of a dotted name; those in quotes are whole.
 pub fn dotted_parts(mut text: &str) -> Vec<&str> {
     let mut parts = Vec::new();
@@ -96,5 +111,6 @@ mod tests {
         assert_eq!(dotted_parts(r"'\'a.b\''.c"), [r"'\'a.b\''", "c"]);
         assert_eq!(split_unquoted("'a=b'=3=4", '='), Some(("'a=b'", "3=4")));
         assert_eq!(split_unquoted("ab", '='), None);
+        assert_eq!(without_spaces(" a[1, 2].'b c' "), "a[1,2].'b c'");
     }
 }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use super::ClassGraph;
 use crate::base::name::Name;
 use crate::ir::ast::Causality;
-use crate::ir::instance::{Declaration, Entry, InstanceId, Scope};
+use crate::ir::instance::{Declaration, Entry, InstanceId, InstanceKind, Scope};
 use crate::ir::modification::{Binding, Layer, LayerSource};
 
 /// Attributes of the predefined types (section 4.9 of the specification).
@@ -23,10 +23,37 @@ pub const ATTRIBUTES: [&str; 11] = [
     "value",
 ];
 
+/// Whether subscripts name an element, or a row, of an array of these sizes.
+pub fn is_within(subscripts: &[usize], dims: &[usize]) -> bool {
+    subscripts.len() <= dims.len() && subscripts.iter().zip(dims).all(|(k, n)| (1..=*n).contains(k))
+}
+
 impl ClassGraph<'_> {
-    /// The outermost binding of an instance.
+    /// The outermost binding of an instance as a whole.
     pub fn binding(&self, id: InstanceId) -> Option<Binding> {
-        self.instances[id].layers.iter().find_map(Layer::binding)
+        let layers = self.instances[id].layers.iter();
+        layers.filter(|layer| self.part(id, layer).is_none()).find_map(Layer::binding)
+    }
+
+    /// The bindings of elements of an array of scalars, from outside of that of the array: subscripts and values, the
+    /// innermost first.
+    pub fn bindings_of_elements(&self, id: InstanceId) -> Vec<(Vec<usize>, Binding)> {
+        let layers = self.instances[id].layers.iter();
+        let outer = layers.take_while(|layer| !layer.binds() || self.part(id, layer).is_some());
+        let found = outer.filter_map(|layer| Some((self.part(id, layer)?, layer.binding()?)));
+        let mut all: Vec<_> = found.map(|(part, binding)| (part.to_vec(), binding)).collect();
+        all.reverse();
+        all
+    }
+
+    /// The subscripts of an override of elements of this array of scalars.
+    fn part<'l>(&self, id: InstanceId, layer: &'l Layer) -> Option<&'l [usize]> {
+        match &self.instances[id].kind {
+            InstanceKind::Variable { dims, .. } => layer.part().filter(|s| is_within(s, dims)),
+            InstanceKind::Object(_) | InstanceKind::Array { .. } => None,
+            // Its sizes are being found out.
+            _ => layer.part(),
+        }
     }
 
     /// The outermost binding of an attribute of an instance of predefined type: from modifications of

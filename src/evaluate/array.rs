@@ -205,6 +205,8 @@ impl Evaluator<'_> {
 
     fn outer_product(&mut self, a: &Value, b: &Value, span: Span) -> Option<Value> {
         let (x, y) = (self.scalars(a, span)?, self.scalars(b, span)?);
+        self.check_count(&[x.len(), y.len()], span)?;
+        self.spend((x.len() * y.len()) as u64, span)?;
         let mut out = Vec::with_capacity(x.len() * y.len());
         for p in &x {
             for q in &y {
@@ -232,6 +234,8 @@ impl Evaluator<'_> {
                 Some(Value::array(dims.clone(), (0..r * c).map(|k| at(k / c, k % c)).collect()))
             }
             ("diagonal", [n]) => {
+                self.check_count(&[*n, *n], span)?;
+                self.spend((n * n) as u64, span)?;
                 let zero = Value::Scalar(self.graph.integer(0));
                 let at = |k: usize| if k / n == k % n { e[k / n].clone() } else { zero.clone() };
                 Some(Value::array(vec![*n, *n], (0..n * n).map(at).collect()))

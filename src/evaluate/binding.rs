@@ -18,7 +18,7 @@ use crate::classes::cause::Alternatives;
 use crate::ir::ast::{Expr, ExprKind, Variability};
 use crate::ir::expr::{Const, Type};
 use crate::ir::instance::{InstanceId, InstanceKind, Scope};
-use crate::ir::modification::Layer;
+use crate::ir::modification::{Binding, Layer};
 
 /// Values that were found before the model is simulated.
 #[derive(Default)]
@@ -90,6 +90,48 @@ impl Evaluator<'_> {
     /// The value that the declaration or a modification binds to an instance: its own, or the field of
     /// the record around it that is bound as a whole.
     pub fn binding_value(&mut self, id: InstanceId) -> Option<Value> {
+        let parts = self.bindings_of_elements(id);
+        match parts.is_empty() {
+            true => self.whole_value(id),
+            false => self.with_elements(id, &parts),
+        }
+    }
+
+    /// The value of an array of which some elements, or rows, have values of their own.
+    fn with_elements(&mut self, id: InstanceId, parts: &[(Vec<usize>, Binding)]) -> Option<Value> {
+        let InstanceKind::Variable { ty, dims, .. } = self.instances[id].kind.clone() else {
+            return self.whole_value(id);
+        };
+        let span = self.declared_at(id);
+        let none = self.no_sizes.clone();
+        let whole = match self.bound_as_whole(id) {
+            true => self.whole_value(id)?,
+            false => self.start_or_children(id, span)?,
+        };
+        let whole = self.spread(whole, &dims, &none, span)?;
+        let mut elements = whole.elements().to_vec();
+        for (subscripts, binding) in parts {
+            let inner = &dims[subscripts.len()..];
+            let size: usize = inner.iter().product();
+            let value = self.cached(&binding.value, binding.scope, false, id)?;
+            let value = self.spread(value, inner, &none, binding.value.span)?;
+            let at = subscripts.iter().zip(dims.iter()).fold(0, |at, (k, n)| at * n + k - 1);
+            let slots = elements.iter_mut().skip(at * size);
+            slots.zip(value.elements()).for_each(|(slot, new)| *slot = new.clone());
+        }
+        let made = Value::array(dims.to_vec(), elements);
+        Some(match ty {
+            Type::Real => made.each_scalar(&mut |e| self.graph.as_real(e)),
+            _ => made,
+        })
+    }
+
+    /// Whether the instance as a whole, or a record around it, has a binding.
+    fn bound_as_whole(&self, id: InstanceId) -> bool {
+        self.binding(id).is_some() || self.instances[id].parent.is_some_and(|p| self.bound(p))
+    }
+
+    fn whole_value(&mut self, id: InstanceId) -> Option<Value> {
         if let Some(binding) = self.binding(id).filter(|_| !self.is_overridden(id)) {
             // A record is asked for by each of its fields.
             let record = matches!(self.instances[id].kind, InstanceKind::Object(_));
@@ -310,5 +352,6 @@ fn binds_below(layer: &Layer, path: &[Name]) -> bool {
             return false;
         }
     }
-    layers.iter().any(Layer::binds)
+    // An element is not the whole.
+    layers.iter().any(|layer| layer.binds() && layer.part().is_none())
 }

@@ -29,6 +29,8 @@ impl Evaluator<'_> {
         }
         let mut dims = vec![parts.len()];
         dims.extend(inner);
+        self.check_count(&dims, span)?;
+        self.spend(dims.iter().product::<usize>() as u64, span)?;
         let elements = self.same_type(parts.iter().flat_map(|p| p.elements().to_vec()).collect());
         Some(Value::array(dims, elements))
     }
@@ -75,6 +77,10 @@ impl Evaluator<'_> {
             self.report(ArrayCause::ConcatenatedSizes { sizes }, span);
             return None;
         }
+        let mut dims = first.clone();
+        dims[k - 1] = parts.iter().map(|p| p.dims()[k - 1]).sum();
+        self.check_count(&dims, span)?;
+        self.spend(dims.iter().product::<usize>() as u64, span)?;
         let outer: usize = first[..k - 1].iter().product();
         let mut elements = Vec::new();
         for o in 0..outer {
@@ -83,8 +89,6 @@ impl Evaluator<'_> {
                 elements.extend_from_slice(&p.elements()[o * chunk..(o + 1) * chunk]);
             }
         }
-        let mut dims = first;
-        dims[k - 1] = parts.iter().map(|p| p.dims()[k - 1]).sum();
         let elements = self.same_type(elements);
         Some(Value::array(dims, elements))
     }

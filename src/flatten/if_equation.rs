@@ -19,21 +19,48 @@ pub(super) fn expand(
     scope: Scope,
     target: &mut Target<'_>,
 ) -> Option<()> {
+    // Whether a branch from each one on connects: connections are part of the structure, and so are the conditions they
+    // depend on.
+    let mut connecting = vec![connects(otherwise)];
+    for (_, body) in branches.iter().rev() {
+        let last = connecting.last().copied().unwrap_or(false);
+        connecting.push(last || connects(body));
+    }
+    connecting.reverse();
+    let cases = Cases { branches, connecting: &connecting, otherwise, span };
+    from(cx, cases, scope, target)
+}
+
+/// The branches of an if-equation from one on.
+#[derive(Clone, Copy)]
+struct Cases<'a> {
+    branches: &'a [(Expr, Vec<ast::Equation>)],
+    connecting: &'a [bool],
+    otherwise: &'a [ast::Equation],
+    span: Span,
+}
+
+fn from(
+    cx: &mut Evaluator<'_>,
+    cases: Cases<'_>,
+    scope: Scope,
+    target: &mut Target<'_>,
+) -> Option<()> {
+    let Cases { branches, connecting, otherwise, span } = cases;
     let Some(((condition, body), rest)) = branches.split_first() else {
         expand_all(cx, otherwise, scope, target);
         return Some(());
     };
+    let others = Cases { branches: rest, connecting: &connecting[1..], ..cases };
     let c = cx.evaluate(condition, scope)?;
     let c = cx.boolean_of(&c, condition.span)?;
-    // Connections are part of the structure, and so are the conditions they depend on.
-    let structural = branches.iter().any(|(_, body)| connects(body)) || connects(otherwise);
-    match cx.parameter_expression(c, structural) {
+    match cx.parameter_expression(c, connecting[0]) {
         Some(Const::Boolean(true)) => {
             expand_all(cx, body, scope, target);
             return Some(());
         }
         Some(Const::Boolean(false)) => {
-            return expand(cx, rest, otherwise, span, scope, target);
+            return from(cx, others, scope, target);
         }
         _ => {}
     }
@@ -41,19 +68,21 @@ pub(super) fn expand(
     let first = collected(target, |t| cx.under(c, |cx| expand_all(cx, body, scope, t)));
     let mut done = None;
     let second = collected(target, |t| {
-        done = cx.under(not_c, |cx| expand(cx, rest, otherwise, span, scope, t));
+        done = cx.under(not_c, |cx| from(cx, others, scope, t));
     });
     done?;
     // If the branches relate different unknowns, the condition is part of the structure as soon as
     // its parameters have values (an example is `v = 0` for `R = 0`).
-    if unknowns(cx, &first) != unknowns(cx, &second)
+    let is_known = cx.variability(c) <= ast::Variability::Parameter;
+    if is_known
+        && unknowns(cx, &first) != unknowns(cx, &second)
         && let Some(Const::Boolean(chosen)) = cx.parameter_expression(c, true)
     {
         target.list().extend(if chosen { first } else { second });
         return Some(());
     }
     // If a branch has to be chosen, a parameter without a value decides by its start value.
-    if count(&first) != count(&second) && cx.variability(c) <= ast::Variability::Parameter {
+    if is_known && count(&first) != count(&second) {
         let known = cx.fold(condition, scope)?;
         let known = cx.boolean_of(&known, condition.span)?;
         if let Some(Const::Boolean(chosen)) = cx.graph.as_const(known) {

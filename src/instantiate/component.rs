@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use crate::base::index::FastSet;
 use crate::base::name::Name;
-use crate::classes::attribute::ATTRIBUTES;
+use crate::classes::attribute::{ATTRIBUTES, is_within};
 use crate::classes::inheritance::merge_prefix;
 use crate::evaluate::Evaluator;
 use crate::evaluate::value::advance;
@@ -114,7 +114,7 @@ fn declared(
 
     let sizes = sizes(cx, id, declaration, &table)?;
     if table.scalar.is_some() {
-        check_attribute_names(cx, id);
+        check_attribute_names(cx, id, &sizes);
     } else {
         super::error::check_instantiable(cx, id, class);
     }
@@ -484,11 +484,14 @@ fn check_final(cx: &mut Evaluator<'_>, id: InstanceId) {
     }
 }
 
-fn check_attribute_names(cx: &mut Evaluator<'_>, id: InstanceId) {
+fn check_attribute_names(cx: &mut Evaluator<'_>, id: InstanceId, sizes: &[usize]) {
     check_final(cx, id);
     for layer in cx.instances[id].layers.clone().iter() {
         if let LayerSource::ParameterOverride(s, depth) = &layer.source {
-            if s.parts.len() == *depth
+            let is_there = layer
+                .part()
+                .is_none_or(|part| is_within(part, sizes) || *cx.instances[id].subscripts == *part);
+            if (s.parts.len() == *depth && is_there)
                 || (s.parts.len() == depth + 1 && is_attribute(s.parts[*depth].0))
             {
                 s.used.set(true);

@@ -137,6 +137,14 @@ impl Layer {
         }
     }
 
+    /// The subscripts of an override that ends here, as of `a[2]=5`; `None` for one without, and for other layers.
+    pub fn part(&self) -> Option<&[usize]> {
+        let LayerSource::ParameterOverride(s, depth) = &self.source else { return None };
+        let ends = s.parts.len() == *depth;
+        let (_, subscripts) = s.parts.get(depth.checked_sub(1)?)?;
+        Some(subscripts.as_slice()).filter(|list| ends && !list.is_empty())
+    }
+
     /// The modification whose arguments this layer holds for the component, if any.
     pub fn inner(&self) -> Option<&Arc<Modification>> {
         match &self.source {

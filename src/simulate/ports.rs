@@ -1,5 +1,6 @@
 //! The constant signals that drive the inputs of a model at an operating point.
 
+use crate::base::name::without_spaces;
 use std::sync::Arc;
 
 use crate::ir::expr::VarId;
@@ -13,7 +14,7 @@ use super::settings::Settings;
 pub fn named(program: &Program, names: &[String]) -> Result<Vec<VarId>, String> {
     let variables = &program.blocks.dae.variables;
     let find = |name: &String| {
-        let plain: String = name.chars().filter(|c| !c.is_whitespace()).collect();
+        let plain = without_spaces(name);
         let found = variables.enumerate().find(|(_, v)| v.name == plain && !v.hidden);
         found.map(|(id, _)| id).ok_or_else(|| name.clone())
     };

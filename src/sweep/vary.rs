@@ -1,6 +1,7 @@
 //! The axes of a sweep: `p_supply=2e5:9e5:8`, `t_dwell=1,30,3600`, `friction_law=Friction.Kind.LuGre`.
 
 use super::error::SweepError;
+use crate::base::name::{split_unquoted, without_spaces};
 
 /// A parameter and its values.
 #[derive(Clone, PartialEq, Debug)]
@@ -61,7 +62,7 @@ impl Axis {
     /// Reads `NAME=VALUES`.
     pub fn read(text: &str) -> Result<Axis, SweepError> {
         let wrong = |why| SweepError::Vary { text: text.to_owned(), why };
-        let (name, values) = text.split_once('=').ok_or_else(|| wrong("`=` is missing"))?;
+        let (name, values) = split_unquoted(text, '=').ok_or_else(|| wrong("`=` is missing"))?;
         let (name, values) = (name.trim(), values.trim());
         if name.is_empty() {
             return Err(wrong("the name is missing"));
@@ -74,7 +75,7 @@ impl Axis {
             [one] if one.contains(':') => range(one).map_err(wrong)?,
             _ => Values::Levels(items.iter().map(|item| Value::of(item)).collect()),
         };
-        let name = name.chars().filter(|c| !c.is_whitespace()).collect();
+        let name = without_spaces(name);
         Ok(Axis { name, text: text.to_owned(), values })
     }
 

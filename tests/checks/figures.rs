@@ -81,7 +81,7 @@ fn missing_columns_are_reported() {
     };
     assert!(said(&["--x", "t: t_s", "--y", "x: time"]).contains("no columns for `t`"));
     assert!(said(&["--x", "t: time", "--y", "x: b"]).contains("no columns for `x`"));
-    assert!(said(&["--y", "a.y"]).contains("did you mean"), "{}", said(&["--y", "a.y"]));
+    assert!(said(&["--y", "a.x[2]"]).contains("did you mean `a.x[1]`?"));
     assert!(said(&["--range", "5:6"]).contains("no row is within the range 5:6"));
     assert!(said(&["--x", "t: time", "--y", "x: atan2(time, time)"]).contains("are supported"));
     // Without a label, a column or a formula is its own label.

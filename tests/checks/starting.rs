@@ -561,6 +561,30 @@ fn names_in_quotes_are_set() {
     );
 }
 
+/// An element is set alone: the others keep the values of their declaration, or of a record around them.
+#[test]
+fn elements_of_arrays_are_set_alone() {
+    let folder = Scratch::new();
+    folder.file(
+        "array.mo",
+        "model Array\n  record R\n    parameter Real a[2] = {7, 8};\n  end R;\n  parameter Real m[2, 2] = {{1, 2}, {3, 4}};\n  parameter Integer n[:] = {1, 2};\n  parameter R r(a = {5, 6});\n  parameter R s[2];\n  Real x = m[1, 1] + 10*m[1, 2] + 100*m[2, 1] + 1000*m[2, 2];\n  Real y = n[1] + 10*n[2] + 100*r.a[1] + 1000*r.a[2];\n  Real z = s[1].a[1] + 10*s[1].a[2] + 100*s[2].a[1] + 1000*s[2].a[2];\nend Array;\n",
+    );
+    let first = |settings: &[&str]| -> Vec<f64> {
+        let mut all = vec!["simulate", "array.mo", "--output", "-", "--quiet"];
+        settings.iter().for_each(|s| all.extend(["--set", s]));
+        let ended = done(folder.path(), &all);
+        let row = ended.out.lines().nth(1).expect("a row").split(',').skip(1);
+        row.map(|x| x.parse().expect("a number")).collect()
+    };
+    assert_eq!(first(&[]), [4321.0, 6521.0, 8787.0]);
+    assert_eq!(first(&["m[1,2]=9"])[0], 4391.0);
+    assert_eq!(first(&["m[2]={8,9}"])[0], 9821.0);
+    assert_eq!(first(&["m[1,1]=0", "m[2,2]=0", "n[2]=5"])[..2], [320.0, 6551.0]);
+    assert_eq!(first(&["r.a[1]=0", "s[2].a[2]=1"])[1..], [6021.0, 1787.0]);
+    let err = refused(folder.path(), &["simulate", "array.mo", "--set", "m[3,1]=1"]);
+    assert!(err.contains("the model has no parameter `m[3,1]`"), "{err}");
+}
+
 #[test]
 fn files_of_the_wrong_kind_are_refused() {
     let folder = Scratch::new();

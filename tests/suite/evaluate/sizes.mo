@@ -63,3 +63,33 @@ equation
   annotation(experiment(StopTime = 1, Tolerance = 1e-9));
 end Sized;
 //@ expect x[3] = 6*exp(-1) rel 1e-7
+
+//@ case arrays_of_arrays_that_are_too_large
+// Each of these would take more memory than there is.
+model Large
+  parameter Real v[100000] = ones(100000);
+  //@ error[MO0297] 26-43
+  parameter Real a = sum(outerProduct(v, v));
+  //@ error[MO0297] 26-36
+  parameter Real b = sum(diagonal(v));
+  Real y = v[1];
+end Large;
+
+//@ case an_array_that_doubles
+model Doubled
+  function doubled
+    input Integer n;
+    output Real s;
+  protected
+    Real a[:];
+  algorithm
+    a := {1.0};
+    for i in 1:n loop
+      //@ error[MO0297] 12-23
+      a := cat(1, a, a);
+    end for;
+    s := sum(a);
+  end doubled;
+  parameter Real x = doubled(60);
+  Real y = x;
+end Doubled;

@@ -24,7 +24,7 @@ equation
     n = pre(n) + 1;
   end when;
 initial equation
-  //@ error[MO0335] 3-13
+  //@ error[MO0335] 3-12
   pre(n) = 2;
 end Count;
 
@@ -38,12 +38,13 @@ equation
 initial equation
   pre(n) = 2;
 end Count;
+//@ expect n = 3
 
 //@ case attributes_of_another_type
 model Box
-  //@ error[MO0212] 15-16
+  //@ error[MO0212] 17
   Real x(unit = 1) = 1;
-  //@ error[MO0212] 16-17
+  //@ error[MO0212] 18
   Real y(fixed = 1, start = 2);
 equation
   der(y) = 1;

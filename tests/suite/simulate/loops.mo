@@ -76,7 +76,7 @@ end Product;
 // What is singular in one branch only is seen by the simulation, also if no step evaluates it again.
 model Branch
   Real x(start = 3);
-  Real y;
+  Real y(start = 3);
   Real z(start = 0, fixed = true);
 equation
   if time < 0.5 then
