@@ -36,7 +36,7 @@ impl ClassGraph<'_> {
         }
         if found.protected {
             self.report_protected(part, found.span);
-        } else if !found.encapsulated && !self.is_package_like(class) {
+        } else if !found.encapsulated && !self.is_open(class, part.span) {
             self.report_no_package(class, part, found.is_class);
         }
     }
@@ -52,7 +52,7 @@ impl ClassGraph<'_> {
             return None;
         }
         let found = self.visibility(class, part.name)?;
-        let wrong = found.protected || !found.encapsulated && !self.is_package_like(class);
+        let wrong = found.protected || !found.encapsulated && !self.is_open(class, part.span);
         wrong.then_some(AccessViolation { class, part })
     }
 
@@ -108,6 +108,14 @@ impl ClassGraph<'_> {
         let entry = table.index.get(&wanted).map(|at| &table.entries[*at])?;
         let found = of_element(&entry.element, entry.protected);
         Some(Visibility { span: entry.name.span, ..found })
+    }
+
+    /// Whether a class may be looked into from a place: a package from everywhere, any other from its own text.
+    fn is_open(&mut self, class: ClassId, place: Span) -> bool {
+        let is_inside = self.definition(class).is_some_and(|text| {
+            text.span.file == place.file && (text.span.start..text.span.end).contains(&place.start)
+        });
+        is_inside || self.is_package_like(class)
     }
 
     /// Whether a class could be a package: nothing in it but classes and constants.
