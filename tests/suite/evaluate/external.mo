@@ -59,8 +59,8 @@ package Errors
       error("the limit is " + String(limit));
     end if;
   algorithm
+    //@ error[MO0912] 5-: the pressure is high
     when p > limit then
-      //@ error[MO0912] 7-28: the pressure is high
       error("the pressure is high");
     end when;
   end Gauge;

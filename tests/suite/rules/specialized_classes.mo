@@ -129,12 +129,10 @@ package Icons
     input Real u;
     output Real y = 2*u;
   end doubled;
-  package Wrong
-    //@ error[MO0227] 13-16
-    extends Full;
-  end Wrong;
   model Top
+    Full full;
     Real y = doubled(Examples.c);
-    Real z = Wrong.x;
   end Top;
 end Icons;
+//@ expect y = 6
+//@ expect full.x = 1
