@@ -59,7 +59,7 @@ package Errors
       error("the limit is " + String(limit));
     end if;
   algorithm
-    //@ error[MO0912] 5-: the pressure is high
+    //@ error[MO0912] 5-
     when p > limit then
       error("the pressure is high");
     end when;
