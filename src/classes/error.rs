@@ -4,7 +4,7 @@ use super::cause::{Alternatives, ClassCause, Holder, Incompatibility, Varying};
 use super::unsupported::{Construct, LanguageCause};
 use super::{ClassGraph, ROOT};
 use crate::base::cause::Cause;
-use crate::base::diag::{Diagnostic, did_you_mean};
+use crate::base::diag::{Diagnostic, Severity, did_you_mean};
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::ir::ast;
@@ -191,10 +191,11 @@ impl ClassGraph<'_> {
         );
     }
 
-    pub(crate) fn report_conditional(&mut self, id: InstanceId, span: Span) {
+    pub(crate) fn report_conditional(&mut self, id: InstanceId, span: Span, severity: Severity) {
         let cause = ClassCause::ConditionalRead { path: self.path(id) };
         self.problems.push(
             Diagnostic::new(cause, span)
+                .with_severity(severity)
                 .also(self.declared_at(id), "declared with a condition")
                 .note("a conditional component may be modified and connected only"),
         );

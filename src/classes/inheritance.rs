@@ -607,9 +607,10 @@ impl ClassGraph<'_> {
         }
     }
 
-    /// Whether two components of one name are variables of one predefined type with the same value:
-    /// they differ in nothing but attributes, such as a unit. The specification requires them to be
-    /// identical (section 7.1), but libraries declare a variable again to give it a unit.
+    /// Whether two components of one name are variables of one predefined type with the same value, so
+    /// that they differ in nothing but attributes, such as a unit, or components of one class by
+    /// different names. The specification requires them to be identical (section 7.1), but libraries
+    /// declare a variable again to give it a unit.
     fn differ_in_attributes(&mut self, a: &Entry, b: &Entry) -> bool {
         let (EntryKind::Component(of_a), EntryKind::Component(of_b)) = (&a.kind, &b.kind) else {
             return false;
@@ -619,21 +620,28 @@ impl ClassGraph<'_> {
             let text = self.sources.text(modification.binding.as_ref()?.span)?;
             Some(text.split_whitespace().collect::<String>())
         });
-        let mut scalar = |entry: &Entry| {
-            let EntryKind::Component(declaration) = &entry.kind else { return None };
-            let scope = Scope { instance: self.classes[entry.class].holder, class: entry.class };
-            let class = self.find_class(&declaration.clause().type_name, scope)?;
-            if self.table_in_progress(class) {
-                return None;
-            }
-            self.table(class).scalar
-        };
         let rank = |d: &Declaration| d.clause().type_dims.len() + d.component().dims.len();
-        of_a.clause().prefix == of_b.clause().prefix
-            && rank(of_a) == 0
-            && rank(of_b) == 0
-            && values[0] == values[1]
-            && scalar(a).is_some_and(|ty| scalar(b) == Some(ty))
+        if of_a.clause().prefix != of_b.clause().prefix
+            || (a.element.inner, a.element.outer) != (b.element.inner, b.element.outer)
+            || rank(of_a) + rank(of_b) > 0
+            || values[0] != values[1]
+        {
+            return false;
+        }
+        let is_plain = [of_a, of_b].iter().all(|d| d.component().modification.is_none());
+        let classes = [(a, of_a), (b, of_b)].map(|(entry, declaration)| {
+            let scope = Scope { instance: self.classes[entry.class].holder, class: entry.class };
+            self.find_class(&declaration.clause().type_name, scope)
+        });
+        let [Some(a), Some(b)] = classes else { return false };
+        if is_plain && self.is_same_definition(a, b) {
+            return true;
+        }
+        if self.table_in_progress(a) || self.table_in_progress(b) {
+            return false;
+        }
+        let (a, b) = (self.table(a).scalar, self.table(b).scalar);
+        a.is_some() && a == b
     }
 
     /// The narrower one of two replaceable short classes of one name, if one of them derives from

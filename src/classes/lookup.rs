@@ -254,7 +254,12 @@ impl ClassGraph<'_> {
             return None;
         }
         let (here, there) = (self.table(class), self.table(derived));
-        let own = &here.entries[*here.index.get(&wanted)?];
+        let Some(own) = here.index.get(&wanted).map(|at| &here.entries[*at]) else {
+            // A class in a file of its own is in no table.
+            let (own, _) = self.class_in_file(class, wanted)?;
+            let (inherited, _) = self.class_in_file(derived, wanted)?;
+            return std::sync::Arc::ptr_eq(&own, &inherited).then_some(derived);
+        };
         let entry = &there.entries[*there.index.get(&wanted)?];
         // An element that merely has the same name is not inherited. A base may have several
         // redeclared variants.

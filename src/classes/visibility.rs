@@ -36,7 +36,7 @@ impl ClassGraph<'_> {
         }
         if found.protected {
             self.report_protected(part, found.span);
-        } else if !found.encapsulated && !self.is_package_like(class) {
+        } else if !found.encapsulated && !self.is_open(class, part.span) {
             self.report_no_package(class, part, found.is_class);
         }
     }
@@ -52,7 +52,7 @@ impl ClassGraph<'_> {
             return None;
         }
         let found = self.visibility(class, part.name)?;
-        let wrong = found.protected || !found.encapsulated && !self.is_package_like(class);
+        let wrong = found.protected || !found.encapsulated && !self.is_open(class, part.span);
         wrong.then_some(AccessViolation { class, part })
     }
 
@@ -108,6 +108,23 @@ impl ClassGraph<'_> {
         let entry = table.index.get(&wanted).map(|at| &table.entries[*at])?;
         let found = of_element(&entry.element, entry.protected);
         Some(Visibility { span: entry.name.span, ..found })
+    }
+
+    /// Whether a class may be looked into from a place: a package from everywhere, any other from its own text by its
+    /// own name, as in `Cell.Substance` within `Cell`.
+    fn is_open(&mut self, class: ClassId, place: Span) -> bool {
+        self.is_named_within(class, place) || self.is_package_like(class)
+    }
+
+    fn is_named_within(&self, class: ClassId, place: Span) -> bool {
+        let Some(text) = self.definition(class) else { return false };
+        let is_inside =
+            text.span.file == place.file && (text.span.start..text.span.end).contains(&place.start);
+        let before = Span { start: text.span.start, end: place.start, ..place };
+        let Some(before) = self.sources.text(before).filter(|_| is_inside) else { return false };
+        let own = before.trim_end().strip_suffix('.').map(str::trim_end);
+        let rest = own.and_then(|path| path.strip_suffix(text.name.name.as_str()));
+        rest.is_some_and(|rest| rest.ends_with(|c: char| c.is_whitespace() || c == '('))
     }
 
     /// Whether a class could be a package: nothing in it but classes and constants.

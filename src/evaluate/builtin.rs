@@ -211,7 +211,7 @@ impl Evaluator<'_> {
         if let InstanceKind::Outer(inner) = self.instances[holder].kind {
             holder = inner;
         }
-        crate::rules::visibility::check_conditional(self, holder, first.span);
+        crate::rules::visibility::check_conditional(self, holder, scope, first.span);
         if matches!(self.instances[holder].kind, InstanceKind::Array { .. })
             || !function.parts[0].subscripts.is_empty()
         {

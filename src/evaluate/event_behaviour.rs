@@ -9,7 +9,7 @@ use super::Evaluator;
 use super::value::Value;
 use crate::base::index::{FastMap, FastSet};
 use crate::ir::ast::Variability;
-use crate::ir::expr::{Binary, ExprId, Graph, Node, Type};
+use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary};
 use crate::symbolic::rewrite::Rewriter;
 
 /// Relations of arguments below one relation of the function that are distinguished by cases.
@@ -166,15 +166,21 @@ impl Evaluator<'_> {
         self.graph.if_then_else(*case, yes, no)
     }
 
-    /// A field of a record that a function computes. An Integer, such as the phase of a medium, would change between
-    /// events without those of the comparisons that it is made of: it gets them back.
+    /// A field of a record that a function computes, or one of several outputs. An Integer, such as the phase of a
+    /// medium, would change between events without those of the comparisons that it is made of: it gets them back. If
+    /// they are hidden in a loop, an event is where its value changes.
     pub(crate) fn with_own_events(&mut self, field: &Value) -> Value {
         field.each_scalar(&mut |e| {
             if self.graph.ty(e) != Type::Integer || !self.changes_between_events(e) {
                 return e;
             }
             let with_events = self.without_no_event(e);
-            if self.changes_between_events(with_events) { e } else { with_events }
+            if !self.changes_between_events(with_events) {
+                return with_events;
+            }
+            let (number, half) = (self.graph.as_real(e), self.graph.real(0.5));
+            let above = self.graph.add(number, half);
+            self.graph.unary(Unary::ToInteger, above)
         })
     }
 

@@ -273,6 +273,16 @@ impl Evaluator<'_> {
                 self.assert_now_or_later(never, line, level, span).ok_or(Refusal::Reported)?;
                 return Ok(Vec::new());
             }
+            ("ModelicaError" | "ModelicaWarning" | "ModelicaMessage", [text]) => {
+                let level = match called {
+                    "ModelicaError" => AssertionLevel::Error,
+                    _ => AssertionLevel::Warning,
+                };
+                let text = text.scalar().ok_or(Refusal::Unknown)?;
+                let never = self.graph.boolean(false);
+                self.assert_now_or_later(never, text, level, span).ok_or(Refusal::Reported)?;
+                return Ok(Vec::new());
+            }
             ("ModelicaStreams_closeFile", _) => return Ok(Vec::new()),
             ("ModelicaIO_writeRealMatrix", _) => {
                 self.report(CallCause::FileNotWritten, span);

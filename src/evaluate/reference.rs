@@ -261,7 +261,7 @@ impl Evaluator<'_> {
         self.complete(id);
         let (part, rest) = parts.split_first()?;
         if open && self.mode.reads_value {
-            crate::rules::visibility::check_conditional(self, id, part.name.span);
+            crate::rules::visibility::check_conditional(self, id, scope, part.name.span);
         }
         let subscripts: &[Subscript] = if open { &part.subscripts } else { &[] };
         match self.instances[id].kind.clone() {

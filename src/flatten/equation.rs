@@ -177,13 +177,17 @@ fn equal(
         for (item, value) in items.iter().zip(values.iter()) {
             if let Some(item) = item {
                 let left = cx.evaluate(item, scope)?;
-                equate(cx, &left, value, span, target)?;
+                let value = cx.with_own_events(value);
+                equate(cx, &left, &value, span, target)?;
             }
         }
         return Some(());
     }
     let (left, right) = (cx.evaluate(lhs, scope), cx.evaluate(rhs, scope));
-    equate(cx, &left?, &right?, span, target)
+    let (left, right) = (left?, right?);
+    let is_record = matches!((&left, &right), (Value::Record(_), Value::Record(_)));
+    let right = if is_record && !target.initial { cx.with_own_events(&right) } else { right };
+    equate(cx, &left, &right, span, target)
 }
 
 fn equate(

@@ -187,7 +187,7 @@ pub(crate) fn check_base(cx: &mut ClassGraph<'_>, text: &Class, base: ClassId, s
     {
         check_operator_base(cx.problems, text, &of, composition, span);
     }
-    if !fits {
+    if !fits && !is_empty(cx, base) {
         report_base(cx, text, of_base, base, span);
     }
 }
@@ -257,6 +257,18 @@ pub(crate) fn check_short_base(cx: &mut ClassGraph<'_>, text: &Class, base: Clas
     }
     let of = cx.kind(base);
     report_base(cx, text, of, base, span);
+}
+
+/// Whether a class has no elements: icons, which libraries give to classes of any kind.
+fn is_empty(cx: &mut ClassGraph<'_>, class: ClassId) -> bool {
+    if cx.table_in_progress(class) {
+        return false;
+    }
+    let table = cx.table(class);
+    table.scalar.is_none()
+        && table.entries.is_empty()
+        && table.sections.is_empty()
+        && table.external.is_none()
 }
 
 fn report_base(cx: &mut ClassGraph<'_>, text: &Class, of: ClassKind, base: ClassId, span: Span) {

@@ -1,10 +1,11 @@
 //! Members that may be named behind a dot: public, known through an `outer` component, present
 //! (sections 4.1, 4.4.5 and 5.4 of the specification).
 
+use crate::base::diag::Severity;
 use crate::base::source::Span;
 use crate::classes::ClassGraph;
 use crate::ir::ast::{self, ClassKind};
-use crate::ir::instance::InstanceId;
+use crate::ir::instance::{InstanceId, Scope};
 
 /// A component behind a dot must be public.
 pub(crate) fn check_member(cx: &mut ClassGraph<'_>, holder: InstanceId, part: ast::Ident) {
@@ -29,11 +30,20 @@ pub(crate) fn check_outer_member(cx: &mut ClassGraph<'_>, outer: InstanceId, par
     }
 }
 
-/// Conditional components have no value (section 4.4.5).
-pub(crate) fn check_conditional(cx: &mut ClassGraph<'_>, id: InstanceId, span: Span) {
+/// Conditional components have no value (section 4.4.5). That of another component, or that of a base class, is only
+/// warned of: libraries read it where its condition holds.
+pub(crate) fn check_conditional(
+    cx: &mut ClassGraph<'_>,
+    id: InstanceId,
+    reader: Scope,
+    span: Span,
+) {
     let conditional =
         cx.instances[id].declaration.as_ref().is_some_and(|d| d.component().condition.is_some());
     if conditional && !cx.from_outside(span) {
-        cx.report_conditional(id, span);
+        let instance = &cx.instances[id];
+        let is_own =
+            instance.parent == Some(reader.instance) && instance.scope.class == reader.class;
+        cx.report_conditional(id, span, if is_own { Severity::Error } else { Severity::Warning });
     }
 }

@@ -3,7 +3,8 @@
 use crate::base::index::FastMap;
 use crate::ir::blocks::Source;
 use crate::ir::dae::{Dae, VariableKind};
-use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
+use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
+use crate::symbolic::eval;
 use crate::symbolic::gradient::Leaf;
 use crate::symbolic::linear;
 
@@ -149,6 +150,10 @@ pub fn is_parameter_expression(dae: &Dae, e: ExprId) -> bool {
     facts(dae, e).0
 }
 
+fn is_zero_at_zero(graph: &Graph, function: Unary) -> bool {
+    function.facts().is_some() && eval::unary(function, 0.0, graph.externals()) == 0.0
+}
+
 /// Whether an expression depends only on parameters, and whether it is never zero.
 fn facts(dae: &Dae, e: ExprId) -> (bool, bool) {
     let g = &dae.graph;
@@ -169,6 +174,9 @@ fn facts(dae: &Dae, e: ExprId) -> (bool, bool) {
             Node::Binary(Binary::Mul, a, b) => (fixed, nonzero(a) && nonzero(b)),
             Node::Binary(Binary::Div, a, b) => (fixed, nonzero(a) && facts[&b].0),
             Node::If(_, a, b) => (fixed, nonzero(a) && nonzero(b)),
+            // The operand of a function that is zero at zero, such as that of `sin`.
+            Node::Unary(function, a) if is_zero_at_zero(g, function) => (fixed, nonzero(a)),
+            Node::Binary(Binary::Pow, a, _) => (fixed, nonzero(a)),
             Node::Unary(..) | Node::Binary(..) | Node::Call { .. } => (fixed, fixed),
             _ => (false, false),
         };

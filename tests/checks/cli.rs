@@ -269,15 +269,24 @@ fn files_of_a_library_belong_to_it() {
 #[test]
 fn classes_in_files_are_inherited() {
     let folder = Scratch::new();
-    let package = "within Hall;\npackage Base\n  constant Real c = 2;\nend Base;\n";
+    let package = "within Hall;\npackage Base\n  constant Real c = 2;\n  function g\n    \
+                   input Real x;\n    output Real y = Deep.h(x);\n  end g;\nend Base;\n";
+    let deep =
+        "within Hall.Base.Deep;\nfunction h\n  input Real x;\n  output Real y = 10*c*x;\nend h;\n";
     let function =
         "within Hall.Base;\nfunction f\n  input Real x;\n  output Real y = c*x;\nend f;\n";
     folder.file("libraries/Hall/package.mo", "within;\npackage Hall\nend Hall;\n");
     folder.file("libraries/Hall/Base/package.mo", package);
     folder.file("libraries/Hall/Base/f.mo", function);
+    folder.file(
+        "libraries/Hall/Base/Deep/package.mo",
+        "within Hall.Base;\npackage Deep\nend Deep;\n",
+    );
+    folder.file("libraries/Hall/Base/Deep/h.mo", deep);
     let user = "model User\n  package Extended\n    extends Hall.Base(c = 5);\n  end Extended;\n  \
                 replaceable package Other = Hall.Base;\n  Real a = Extended.f(time);\n  \
-                Real b = Other.f(time);\nend User;\n";
+                Real b = Other.f(time);\n  Real d = Extended.g(time);\n  \
+                Real e = Other.g(time);\nend User;\n";
     folder.file("user.mo", user);
     let arguments = ["simulate", "user.mo", "--output", "u.csv", "--lib", "libraries"];
     let ended = mocc(folder.path(), &arguments);
@@ -285,6 +294,7 @@ fn classes_in_files_are_inherited() {
     let table = read_csv(folder.path().join("u.csv")).expect("a table");
     let last = |name: &str| *table.values(name).expect("a column").last().expect("a row");
     assert_eq!((last("a"), last("b")), (5.0, 2.0));
+    assert_eq!((last("d"), last("e")), (50.0, 20.0));
 }
 
 /// The version that `uses` asks for is taken, else the newest; another one is warned of unless it serves.

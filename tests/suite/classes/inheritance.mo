@@ -266,3 +266,23 @@ package Units
   end Both;
 end Units;
 //@ expect x = 3
+
+//@ case inherited_twice_by_two_names_of_one_class
+package Grid
+  model System
+    parameter Real f = 50;
+  end System;
+  partial model Framework
+    outer System system;
+  end Framework;
+  model Controller
+    extends Framework;
+    outer Grid.System system;
+    Real x = system.f*time;
+  end Controller;
+  model Top
+    inner System system(f = 60);
+    Controller controller;
+  end Top;
+end Grid;
+//@ expect controller.x = 60

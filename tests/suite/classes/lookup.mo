@@ -223,3 +223,19 @@ model Tank
 equation
   der(level) = -level;
 end Tank;
+
+//@ case own_classes_by_the_name_of_the_class
+// A model may look into itself by its own name, although it is not a package.
+package Cells
+  model Cell
+    model Substance
+      Real n(start = 1, fixed = true);
+    equation
+      der(n) = -n;
+    end Substance;
+    Cell.Substance calcium(n(start = 2));
+    Real x = 1;
+  end Cell;
+end Cells;
+//@ run stop=1
+//@ expect calcium.n = 2*exp(-1) rel 1e-5

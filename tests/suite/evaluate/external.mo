@@ -41,3 +41,27 @@ model Fallen
   end at;
   Real y = at(curve, time);
 end Fallen;
+
+//@ case errors_that_a_function_raises
+//@ run stop=2
+//@ status 3
+// An error of the model where it is reached, and not before.
+package Errors
+  impure function error
+    input String text;
+    external "C" ModelicaError(text);
+  end error;
+  model Gauge
+    parameter Real limit = 1.5;
+    Real p = time;
+  equation
+    if limit < 1 then
+      error("the limit is " + String(limit));
+    end if;
+  algorithm
+    //@ error[MO0912] 5-
+    when p > limit then
+      error("the pressure is high");
+    end when;
+  end Gauge;
+end Errors;

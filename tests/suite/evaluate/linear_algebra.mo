@@ -222,7 +222,7 @@ package Short
   end dgelsy;
   model Plane
     Real x[3] = dgelsy({{1, 1, 1}, {1, 0, -1}}, {6*time, 0});
-    parameter Real y[3] = dgelsy({{0, 3, 4}}, {25});
+    Real y[3] = dgelsy({{0, 3, 4*time}}, {25*time});
   end Plane;
 end Short;
 //@ run stop=1

@@ -82,13 +82,13 @@ package Plant
   record Data
     parameter Configuration configuration;
     parameter Integer zones = 3;
-    parameter Real flow[configuration.pumps] = fill(2.0, configuration.pumps);
+    parameter Real flows[configuration.pumps] = fill(2.0, configuration.pumps);
   end Data;
   model Machine
     parameter Data data;
     parameter Configuration configuration(final pumps = 2, final valves = control.valves);
     Control control(final zones = data.zones);
-    Real y[configuration.pumps] = data.flow;
+    Real y[configuration.pumps] = data.flows;
   end Machine;
   model Control
     parameter Integer zones;

@@ -373,7 +373,7 @@ package Network
   end Lines;
   model Grid
     extends Lines(redeclare Line lines(redeclare replaceable Cable cable = cables));
-    Line more[2](each length = 1, each redeclare Cable cable = cables[2]);
+    Line more[2](each length = 1, redeclare each Cable cable = cables[2]);
   end Grid;
 end Network;
 //@ expect lines[1].r, lines[2].r = 3, 10

@@ -110,3 +110,29 @@ model Outside
   //@ error[MO0226] 15
   stream Real x = 1;
 end Outside;
+
+//@ case icons_of_classes_of_another_kind
+// A class without elements is no more than an icon.
+package Icons
+  partial model Example
+  end Example;
+  model Full
+    extends Example;
+    Real x = 1;
+  end Full;
+  package Examples
+    extends Example;
+    constant Real c = 3;
+  end Examples;
+  function doubled
+    extends Example;
+    input Real u;
+    output Real y = 2*u;
+  end doubled;
+  model Top
+    Full full;
+    Real y = doubled(Examples.c);
+  end Top;
+end Icons;
+//@ expect y = 6
+//@ expect full.x = 1

@@ -234,15 +234,32 @@ end Repeated;
 // The start of the level follows from the other two, by an equation that is solved by iteration: it is checked.
 model Basins
   Real level(start = 4, fixed = true);
-  Real flow(start = 1);
+  Real q(start = 1);
   Real other(start = 1);
 initial equation
   der(level) = 0;
 equation
-  flow^3 + flow = 10;
-  other + 0.1*sin(other)*flow = level;
-  der(level) = 10 - flow^3 - flow*level/4;
+  q^3 + q = 10;
+  other + 0.1*sin(other)*q = level;
+  der(level) = 10 - q^3 - q*level/4;
 end Basins;
 //@ run stop=1
-//@ expect flow = 2 rel 1e-6
+//@ expect q = 2 rel 1e-6
 //@ expect level = 4 rel 1e-6
+
+//@ case a_loop_with_an_angle_of_zero
+// At an angle of zero the second term vanishes: neither equation may be solved for the imaginary part by it.
+model Transformer
+  parameter Real r = 2;
+  parameter Real theta = 0;
+  Real re, im;
+  Real x, y;
+equation
+  r*cos(theta)*re - r*sin(theta)*im = x;
+  r*sin(theta)*re + r*cos(theta)*im = y;
+  x = 10 - 0.5*re + 0.1*im;
+  y = 4 - 0.5*im - 0.1*re;
+end Transformer;
+// 2.5*re - 0.1*im = 10 and 0.1*re + 2.5*im = 4.
+//@ expect re = (2.5*10 + 0.1*4)/(2.5^2 + 0.1^2) rel 1e-9
+//@ expect im = (2.5*4 - 0.1*10)/(2.5^2 + 0.1^2) rel 1e-9
