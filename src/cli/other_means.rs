@@ -57,8 +57,7 @@ pub(super) fn run(
     }
     for method in other_methods(program) {
         let settings = Settings { method, ..settings.clone() };
-        let name = if method == Method::Bdf { "`--method bdf`" } else { "`--method radau`" };
-        if let Some((stream, statistics)) = again(program, &settings, sources, name) {
+        if let Some((stream, statistics)) = again(program, &settings, sources, flag(method)) {
             return Some(OtherRun { stream, statistics, compiled: None });
         }
     }
@@ -74,7 +73,7 @@ pub(super) fn run(
     }
     let explicit =
         Settings { method: Method::Dopri, most_steps: MOST_EXPLICIT_STEPS, ..settings.clone() };
-    let (stream, statistics) = again(program, &explicit, sources, "`--method dopri`")?;
+    let (stream, statistics) = again(program, &explicit, sources, flag(Method::Dopri))?;
     Some(OtherRun { stream, statistics, compiled: None })
 }
 
@@ -92,6 +91,16 @@ fn compiled(options: &Simulate, session: Session, form: SystemForm) -> Option<(S
     let mut program = session.compile(&request).ok()?;
     running::restrict(&options.running, &mut program, None).ok()?;
     Some((session, program))
+}
+
+/// The flag that chooses a method.
+fn flag(method: Method) -> &'static str {
+    match method {
+        Method::Auto => "`--method auto`",
+        Method::Radau => "`--method radau`",
+        Method::Bdf => "`--method bdf`",
+        Method::Dopri => "`--method dopri`",
+    }
 }
 
 fn warning(failure: &Failure, method: &'static str) -> Diagnostic {

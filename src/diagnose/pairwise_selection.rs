@@ -75,7 +75,9 @@ pub fn pairs(search: &Search<'_>, hypothesis: &Hypothesis, ranking: &[Scored]) -
         let numbers = [first.number, second.number];
         let is_used_up = |n: &usize| used[*n] == policy.pairs_per_member;
         let most = search.generosity() * policy.fitted_pairs;
-        let has_instrument = [first, second].into_iter().any(|m| m.is_of_instrument(study));
+        let is_of_instrument =
+            |m: &Member<'_>| study.is_of_instrument(m.scored.effect, &m.scored.place);
+        let has_instrument = is_of_instrument(first) || is_of_instrument(second);
         if best.len() == most
             || numbers.iter().any(is_used_up)
             || has_instrument && with_instrument == most / 2
@@ -107,11 +109,6 @@ pub fn pairs(search: &Search<'_>, hypothesis: &Hypothesis, ranking: &[Scored]) -
 }
 
 impl Member<'_> {
-    /// True for an effect of a sensor or an actuator.
-    fn is_of_instrument(&self, study: &Study) -> bool {
-        self.scored.place.signal.is_some() || study.effects[self.scored.effect].acts.is_some()
-    }
-
     /// The member as part of a proposal, with the promise of the pair and its own amplitudes. Its other
     /// shapes are those that score best alone.
     fn proposal(&self, gain: f64, amplitudes: &[f64]) -> Scored {

@@ -23,9 +23,11 @@ pub struct SearchPolicy {
     /// noise alone exceeds them. Default 2.
     pub resolved_deviations: f64,
     /// Share of the excess of the validation sum over 1 that effects must explain for the verdict
-    /// `effect_found`, unless they explain everything. Default 0.9.
+    /// `effect_found`, unless they explain everything. Default 0.9. A curve that is swapped for a named law must explain the
+    /// same share of what that law leaves.
     pub explained_share: f64,
-    /// Reduced sum above which the verdict is `unexplained` even then. Default 3.
+    /// Reduced sum above which the verdict is `unexplained` even then. Default 3. Above it, effects beyond `usual_effects`
+    /// need not explain `second_share`.
     pub explained_limit: f64,
     /// Decrease of the Bayesian information criterion that counts as evidence. Default 30, well above what
     /// the best of hundreds of places reaches by chance. Smaller values find weaker effects, and false ones.
@@ -148,7 +150,7 @@ pub struct SearchPolicy {
 
     /// Candidates from which pairs are formed. Default 120. The number of pairs grows with its square.
     pub pair_candidates: usize,
-    /// Pairs that are fitted. Default 8.
+    /// Pairs that are fitted, at most half of them with a sensor or an actuator. Default 8.
     pub fitted_pairs: usize,
     /// Of these, pairs that share an effect at a place. Default 3.
     pub pairs_per_member: usize,
@@ -157,7 +159,8 @@ pub struct SearchPolicy {
     pub swap_rounds: usize,
     /// Alternatives to a single parametric effect that are fitted. Default 3.
     pub alternatives: usize,
-    /// Share of the accepted effect's own promise that an alternative must promise. Default 0.7.
+    /// Share of the accepted effect's own promise that an alternative must promise, as must any effect to be fitted after a
+    /// sensor that explains everything. Default 0.7.
     pub alternative_share: f64,
     /// Share of the greatest first promise that an alternative must have promised to be scored again.
     /// Default 0.25.

@@ -1,6 +1,6 @@
 //! The order of preference among fitted hypotheses.
 
-use super::hypothesis::{ChosenEffect, Hypothesis};
+use super::hypothesis::Hypothesis;
 use super::search::Search;
 use super::study::Study;
 
@@ -114,8 +114,7 @@ pub fn ends_with_sensor(hypothesis: &Hypothesis) -> bool {
 
 /// True if the last added effect acts on a sensor or an actuator.
 pub fn ends_with_instrument(study: &Study, hypothesis: &Hypothesis) -> bool {
-    let acts = |c: &ChosenEffect| study.effects[c.effect].acts.is_some();
-    ends_with_sensor(hypothesis) || hypothesis.effects.last().is_some_and(acts)
+    hypothesis.effects.last().is_some_and(|c| study.is_of_instrument(c.effect, &c.place))
 }
 
 /// True if the last added effect lets a parameter vary.

@@ -66,13 +66,13 @@ fn swap_step(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         };
         let hypotheses = fits.run();
         // A curve or a parameter that varies follows what any law leaves: one has to leave much less to replace a name.
-        let is_named = own.iter().all(|c| search.study.is_named(c.effect));
+        let was_named = own.iter().all(|c| search.study.is_named(c.effect));
+        let is_named =
+            |h: &Hypothesis| h.effects.last().is_some_and(|c| search.study.is_named(c.effect));
         let excess = |h: &Hypothesis| h.chi2_train() - 1.0;
         let most = (1.0 - search.policy().explained_share) * excess(&diagnosis.after);
-        let new =
-            |h: &Hypothesis| h.effects.last().is_some_and(|c| search.study.is_named(c.effect));
         let (admitted, vague): (Vec<_>, Vec<_>) =
-            hypotheses.into_iter().partition(|h| !is_named || new(h) || excess(h) < most);
+            hypotheses.into_iter().partition(|h| !was_named || is_named(h) || excess(h) < most);
         let is_better = accept_first_better(search, diagnosis, admitted);
         diagnosis.rejected.extend(vague);
         if is_better {

@@ -177,6 +177,11 @@ impl Study {
         !self.is_curve(effect) && own.varies.is_none() && !own.is_product()
     }
 
+    /// True for an effect of a sensor or an actuator.
+    pub fn is_of_instrument(&self, effect: usize, place: &Place) -> bool {
+        place.signal.is_some() || self.effects[effect].acts.is_some()
+    }
+
     /// Compiles the model with effects attached; the program records the signals of the plan and `others`.
     pub fn compile(
         &self,

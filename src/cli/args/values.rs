@@ -6,52 +6,49 @@ use super::linear::At;
 
 /// A picture by its extension, or `-` for SVG on the standard output.
 pub fn picture(text: &str) -> Result<PathBuf, String> {
-    standard(text).map_or_else(|| with_extension(text, &["svg", "png"]), Ok)
+    file(text, &["svg", "png"])
 }
 
 /// A page by its extension, or `-` for the standard output.
 pub fn page(text: &str) -> Result<PathBuf, String> {
-    standard(text).map_or_else(|| with_extension(text, &["html", "htm"]), Ok)
+    file(text, &["html", "htm"])
 }
 
 /// A Functional Mock-up Unit by its extension, or `-` for the standard output.
 pub fn fmu(text: &str) -> Result<PathBuf, String> {
-    standard(text).map_or_else(|| with_extension(text, &["fmu"]), Ok)
+    file(text, &["fmu"])
 }
 
 /// A file of models by its extension, or `-` for the standard output.
 pub fn modelica(text: &str) -> Result<PathBuf, String> {
-    standard(text).map_or_else(|| with_extension(text, &["mo", "mol"]), Ok)
+    file(text, &["mo", "mol"])
 }
 
 /// A plan by its extension, or `-` for the standard output.
 pub fn plan(text: &str) -> Result<PathBuf, String> {
-    standard(text).map_or_else(|| with_extension(text, &["toml"]), Ok)
+    file(text, &["toml"])
 }
 
 /// A file of JUnit by its extension, or `-` for the standard output.
 pub fn junit(text: &str) -> Result<PathBuf, String> {
-    standard(text).map_or_else(|| with_extension(text, &["xml"]), Ok)
+    file(text, &["xml"])
 }
 
 /// A graph for Graphviz by its extension, or `-` for the standard output.
 pub fn graph(text: &str) -> Result<PathBuf, String> {
-    standard(text).map_or_else(|| with_extension(text, &["dot", "gv"]), Ok)
+    file(text, &["dot", "gv"])
 }
 
 /// A file for JSON by its extension, or `-` for the standard output.
 pub fn json(text: &str) -> Result<PathBuf, String> {
-    standard(text).map_or_else(|| with_extension(text, &["json"]), Ok)
+    file(text, &["json"])
 }
 
-fn standard(text: &str) -> Option<PathBuf> {
-    (text == "-").then(|| PathBuf::from(text))
-}
-
-fn with_extension(text: &str, known: &[&str]) -> Result<PathBuf, String> {
+/// A file with one of these extensions, or `-`.
+fn file(text: &str, known: &[&str]) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    match extension.as_deref().is_some_and(|e| known.contains(&e)) {
+    match text == "-" || extension.as_deref().is_some_and(|e| known.contains(&e)) {
         true => Ok(path),
         false => {
             let names: Vec<String> = known.iter().map(|e| format!(".{e}")).collect();
