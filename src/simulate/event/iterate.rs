@@ -263,8 +263,10 @@ fn iterate_with(
             let now = (0..count).map(|k| machine.get(first + k));
             effects.changed |= now.zip(&before).any(|(a, b)| a != *b);
             if machine.undetermined.take().is_some() {
-                // Whether that is so at the solution, too.
+                // Whether that is so at the solution, too, which another solution of singular equations must not replace.
+                let solution = machine.memory.to_vec();
                 machine.run(&program.tapes.event)?;
+                machine.restore_from(&solution);
             }
             machine.run(&program.tapes.discrete)?;
             return Ok(effects);
