@@ -71,11 +71,12 @@ pub struct Settings {
 impl Settings {
     /// The settings of the model's `experiment` annotation, with defaults.
     pub fn of(experiment: &Experiment) -> Self {
-        Settings::executed(experiment, Execution::default())
+        Settings { execution: Execution::default(), ..Settings::interpreted(experiment) }
     }
 
-    /// As [`Settings::of`], for tapes that are executed in this way.
-    pub fn executed(experiment: &Experiment, execution: Execution) -> Self {
+    /// As [`Settings::of`], for tapes that are interpreted. It has no argument for the execution: where the optimizer
+    /// propagates one, a program that only interprets contains the compiler to machine code.
+    pub fn interpreted(experiment: &Experiment) -> Self {
         let start = experiment.start.unwrap_or(0.0);
         let stop = experiment.stop.unwrap_or(start + DEFAULT_STOP);
         Settings {
@@ -87,7 +88,7 @@ impl Settings {
             parameters: Vec::new(),
             starts: Vec::new(),
             courses: Vec::new(),
-            execution,
+            execution: Execution::Interpreted,
             instants: None,
             extrema: Vec::new(),
             spacing: None,

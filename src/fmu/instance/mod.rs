@@ -15,7 +15,6 @@ use crate::ir::dae::VariableKind;
 use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Slot};
 use crate::numeric::time_series::{Interpolation, TimeSeries};
-use crate::runtime::jit::tiering::Execution;
 use crate::runtime::machine::Machine;
 use crate::simulate::settings::Settings;
 use crate::simulate::stepping::{Arrival, Stepping};
@@ -91,7 +90,7 @@ impl<'p> Instance<'p> {
             program,
             kind,
             phase: Phase::Instantiated,
-            settings: Settings::executed(&program.blocks.dae.experiment, Execution::Interpreted),
+            settings: Settings::interpreted(&program.blocks.dae.experiment),
             inputs: inputs(program),
             exchange: None,
             stepping: None,
