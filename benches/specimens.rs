@@ -12,6 +12,7 @@
 //! cargo bench --bench specimens -- random-pairs 20 [1]  # two such effects at once
 //! cargo bench --bench specimens -- valve32 effects    # with the other valve
 //! SPECIMENS_LOG=1 cargo bench --bench specimens -- random 1 7   # with every step of the search
+//! SPECIMENS_SECONDS=60 cargo bench --bench specimens -- random 60  # the best verdict after a minute of each
 //! ```
 
 use std::path::Path;
@@ -384,7 +385,7 @@ impl Stand {
         let started = Instant::now();
         let effects = self.catalogue(hidden);
         let study = Study { effects, data: data.clone(), ..self.study.clone() };
-        let observer = Log { is_shown: std::env::var_os("SPECIMENS_LOG").is_some(), started };
+        let observer = Log::new(started);
         let found = diagnose(&study, &observer).ok();
         (found, started.elapsed().as_secs_f64())
     }
@@ -410,10 +411,19 @@ impl Stand {
     }
 }
 
-/// Shows the steps of a search if the environment asks for it.
+/// Shows the steps of a search and limits its time if the environment asks for it.
 struct Log {
     is_shown: bool,
     started: Instant,
+    seconds: f64,
+}
+
+impl Log {
+    fn new(started: Instant) -> Log {
+        let is_shown = std::env::var_os("SPECIMENS_LOG").is_some();
+        let limit = std::env::var("SPECIMENS_SECONDS").ok().and_then(|s| s.parse().ok());
+        Log { is_shown, started, seconds: limit.unwrap_or(f64::INFINITY) }
+    }
 }
 
 impl Observer for Log {
@@ -421,6 +431,10 @@ impl Observer for Log {
         if self.is_shown {
             println!("{:10.2} s  {event}", self.started.elapsed().as_secs_f64());
         }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.started.elapsed().as_secs_f64() > self.seconds
     }
 }
 

@@ -1,5 +1,6 @@
 """Models and recordings that several tests use."""
 
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,9 @@ import pytest
 import mocc
 
 ROOT = Path(__file__).parents[2]
+
+# A shell starts commands in the background with Ctrl-C ignored, and Python leaves that as it is.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 TANK = """
 model Tank "A tank that empties"
