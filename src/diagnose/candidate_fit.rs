@@ -307,7 +307,7 @@ impl CandidateFits<'_> {
     }
 
     /// A plan whose free parameters, but for those of effects, start at the values of the study's plan.
-    fn with_planned_starts(&self, plan: &Plan) -> Plan {
+    pub fn with_planned_starts(&self, plan: &Plan) -> Plan {
         let mut plan = plan.clone();
         for free in &mut plan.free {
             let as_planned = self.search.study.plan.free.iter().find(|f| f.name == free.name);
@@ -409,7 +409,7 @@ fn trimmed_fit(
 const OUTSTANDING: f64 = 3.0;
 
 /// Full names of the amplitudes of effects.
-fn amplitudes(study: &Study, effects: &[ChosenEffect]) -> Vec<String> {
+pub fn amplitudes(study: &Study, effects: &[ChosenEffect]) -> Vec<String> {
     let of = |c: &ChosenEffect| {
         let all = study.effects[c.effect].amplitudes.iter();
         all.map(|a| c.full_name(&a.name)).collect::<Vec<_>>()
@@ -419,7 +419,7 @@ fn amplitudes(study: &Study, effects: &[ChosenEffect]) -> Vec<String> {
 
 /// The best start among `shares` of the promised amplitudes: the score is linear, and the full amplitudes may
 /// lie far beyond the range in which it holds.
-fn best_start(problem: &mut Problem<'_>, amplitudes: &[String], shares: &[f64]) -> Vec<f64> {
+pub fn best_start(problem: &mut Problem<'_>, amplitudes: &[String], shares: &[f64]) -> Vec<f64> {
     let whole = problem.start();
     if amplitudes.is_empty() {
         return whole;

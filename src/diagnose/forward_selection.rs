@@ -6,6 +6,7 @@ use super::candidate_fit::CandidateFits;
 use super::formula_fit::{allowance, formula_instead, has_formulas};
 use super::hypothesis::Hypothesis;
 use super::preference::{ends_with_curve, ends_with_variation};
+use super::preliminary_fit::with_preliminary_fits;
 use super::rank::{Scored, rank};
 use super::result::Diagnosis;
 use super::search::{Search, accept};
@@ -38,6 +39,7 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
         for _ in 0..BATCHES_OF_PROPOSALS {
             let mut proposals = promising(search, &diagnosis.after, &left);
             proposals.retain(|p| p.iter().all(|s| s.gain > notable));
+            proposals = with_preliminary_fits(search, &diagnosis.after, proposals, &left);
             if proposals.is_empty() || !search.may_continue() {
                 break;
             }

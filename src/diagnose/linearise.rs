@@ -219,7 +219,7 @@ fn remove_column(normal: &mut NormalEquations, column: usize) {
 
 /// Recordings that are not needed for about `instants` instants: those that fit best, since they contribute
 /// least.
-fn surplus(problem: &Problem<'_>, hypothesis: &Hypothesis, instants: usize) -> Vec<usize> {
+pub fn surplus(problem: &Problem<'_>, hypothesis: &Hypothesis, instants: usize) -> Vec<usize> {
     let mut trimmed = problem.surplus(instants);
     let each: Vec<f64> = hypothesis.train.squares.iter().map(|s| s.iter().sum()).collect();
     if each.len() == problem.recordings(Split::Train).len() {

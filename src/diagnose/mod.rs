@@ -6,7 +6,7 @@
 //!
 //! A [`hypothesis`] is the model with certain effects at certain places, fitted to the recordings. The
 //! [`search`] extends hypotheses step by step: every effect is scored at every place ([`rank`], [`score`]),
-//! the most promising are fitted ([`candidate_fit`]) and compared ([`preference`]). All thresholds stand in
+//! the most promising are fitted ([`preliminary_fit`], [`candidate_fit`]) and compared ([`preference`]). All thresholds stand in
 //! [`policy`].
 
 pub mod adapter;
@@ -37,6 +37,7 @@ pub mod pairwise_selection;
 pub mod place;
 pub mod policy;
 pub mod preference;
+pub mod preliminary_fit;
 pub mod rank;
 pub mod regrid;
 pub mod residual;

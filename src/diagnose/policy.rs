@@ -72,6 +72,12 @@ pub struct SearchPolicy {
     pub fitted_variations: usize,
     /// Of these, terms that are products of variables. Default 1.
     pub fitted_products: usize,
+    /// Candidates of a preliminary fit, where a large effect makes the score unreliable. Default 32.
+    pub preliminary_fits: usize,
+    /// Of these, the ones that are fitted first, if they leave less than `most_share`. Default 3.
+    pub preferred_preliminary_fits: usize,
+    /// When a preliminary fit stops, and once more for the best of them. Default: 4 steps.
+    pub preliminary_fit: Stopping,
     /// Share of the promise of a parameter that varies along a curve which the best straight line must promise to be fitted
     /// first. Default 0.9.
     pub straight_share: f64,
@@ -114,10 +120,11 @@ pub struct SearchPolicy {
     pub leading_share: f64,
     /// Excess of the reduced sum that such a fit may leave in any case. Default 0.3.
     pub leading_excess: f64,
-    /// Beside such a fit, a short fit of a curve or of a parameter that varies whose sum of squares still exceeds its own by this factor after a few steps is given
+    /// A named effect whose preliminary fit leaves this many times as much as the best one is no longer proposed. And beside
+    /// a fit that leads, a short fit of a curve or of a parameter that varies whose sum of squares still exceeds its own by this factor after a few steps is given
     /// up. Default 4.
     pub trailing_factor: f64,
-    /// Reduced sum without effects above which short fits begin at the plan's values as well: a large effect
+    /// Reduced sum without effects above which preliminary and short fits begin at the plan's values as well: a large effect
     /// has dragged the calibrated ones far away. Default 5.
     pub large_effect_above: f64,
     /// A short fit from another start is given up if its sum of squares exceeds the best one by this factor.
@@ -213,6 +220,9 @@ impl Default for SearchPolicy {
             proposals_if_short: 2,
             fitted_variations: 3,
             fitted_products: 1,
+            preliminary_fits: 32,
+            preferred_preliminary_fits: 3,
+            preliminary_fit: Stopping { decrease: 1e-2, step: 1e-4, iterations: 4, reach: 1.0 },
             straight_share: 0.9,
             fitted_choices: 2,
             fitted_by_validation: 2,
