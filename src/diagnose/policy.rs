@@ -92,7 +92,8 @@ pub struct SearchPolicy {
     /// is more often a fault of the first law's form than a second phenomenon.
     pub second_share: f64,
     /// Share of the excess which a single effect must explain, of the fitted recordings and of the others, so that pairs
-    /// without it are not searched for; less than `many_effects_above` must be left as well. Default 0.99.
+    /// without it are not searched for; less than `many_effects_above` must be left as well. Of recordings that were never
+    /// fitted, `explained_share` is enough if nothing is left of the others. Default 0.99.
     pub dominant_share: f64,
     /// Steps of all fits after which no further fit begins. Default 1000; with short recordings, more by the
     /// square of `proposals_if_short`.

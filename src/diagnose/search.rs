@@ -111,13 +111,18 @@ impl<'a> Search<'a> {
     fn dominates(&self, diagnosis: &Diagnosis) -> bool {
         let (before, after) = (&diagnosis.before, &diagnosis.after);
         let policy = self.policy();
-        let most = 1.0 - policy.dominant_share;
-        let leaves = |of: fn(&Hypothesis) -> f64| {
-            of(after) < policy.many_effects_above && of(after) - 1.0 < most * (of(before) - 1.0)
+        let leaves = |of: fn(&Hypothesis) -> f64, share: f64| {
+            let most = (1.0 - share) * (of(before) - 1.0);
+            of(after) < policy.many_effects_above && of(after) - 1.0 < most
+        };
+        // Where the fitted recordings leave nothing, no pair explains more of them.
+        let unseen = match after.explains_training(policy) {
+            true => policy.explained_share,
+            false => policy.dominant_share,
         };
         groups(&after.effects).count() == 1
-            && leaves(Hypothesis::chi2_train)
-            && leaves(Hypothesis::chi2_validation)
+            && leaves(Hypothesis::chi2_train, policy.dominant_share)
+            && leaves(Hypothesis::chi2_validation, unseen)
     }
 
     /// False for a further effect that only corrects the form of one which explains nearly everything.
