@@ -274,12 +274,14 @@ fn simpler(search: &Search<'_>, from: &Hypothesis, before: &Hypothesis) -> Optio
         hypotheses.into_iter().find(|h| h.bic() < from.bic() + search.policy().evidence)
     };
     let instead = rank_instead(search, from, before, &|effect, _| !study.is_curve(effect));
-    let mut one = fitted(&promising(search, &start, &instead));
+    let first = promising(search, &start, &instead);
+    let mut one = fitted(&first);
     let ranking = if one.is_none() { rank(search, &start) } else { Vec::new() };
     if one.is_none() {
-        let parametric = ranking.iter().filter(|s| !study.is_curve(s.effect));
-        let parametric: Vec<Scored> = parametric.cloned().collect();
-        one = fitted(&promising(search, &start, &parametric));
+        let is_tried = |s: &Scored| first.iter().any(|p| p[0].is_same(s));
+        let others = ranking.iter().filter(|s| !study.is_curve(s.effect) && !is_tried(s));
+        let others: Vec<Scored> = others.cloned().collect();
+        one = fitted(&promising(search, &start, &others));
     }
     let has_curve = from.effects.iter().any(|c| study.is_curve(c.effect));
     let can_shrink = from.effects.len() > 2 || has_curve;
