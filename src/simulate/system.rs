@@ -370,6 +370,10 @@ impl System for HybridSystem<'_> {
         Some(&self.pattern)
     }
 
+    fn leaves_pattern(&self) -> bool {
+        self.sliding.is_some()
+    }
+
     fn jacobian_entries(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalError> {
         self.linearise(t, y, values).map(|_| ())
     }

@@ -1,15 +1,12 @@
 //! The stage equations of a linear system `M s' = J(t) s + b(t)`, solved directly.
 //!
 //! The three stages of a component form blocks of order 3: the diagonal ones hold `M A^-1 / h`, and every block the
-//! entries of the Jacobians at the three stages on its diagonal. Blocks are eliminated in an order of least degree
-//! (Duff, Erisman and Reid, *Direct Methods for Sparse Matrices*, 2nd ed. 2017, sec. 7.2), which is found once for the
-//! pattern of a Jacobian, so that its zeros are never touched. Pivots are exchanged within a block only: a pivot that is
-//! left by cancellation is an error, and the caller has another method.
-
-use std::collections::BTreeSet;
+//! entries of the Jacobians at the three stages on its diagonal. Blocks are eliminated in the order of a
+//! [`SymbolicLu`]. A pivot that is left by cancellation is an error, and the caller has another method.
 
 use crate::numeric::panel::LANES;
 use crate::numeric::pattern::Pattern;
+use crate::numeric::symbolic_lu::SymbolicLu;
 
 /// Number of stages.
 const STAGES: usize = 3;
@@ -23,30 +20,13 @@ type Block = [f64; STAGES * STAGES];
 
 /// The equations, and their decomposition.
 pub struct StageSystem {
-    /// The component that is eliminated at each position.
-    order: Vec<usize>,
-    /// The block of each entry of the Jacobian.
-    places: Vec<usize>,
-    /// The blocks, those on the diagonal first.
+    plan: SymbolicLu,
     blocks: Vec<Block>,
-    /// For each position, the blocks below the diagonal in its column, and those after it in its row.
-    lower: Vec<Vec<Place>>,
-    upper: Vec<Vec<Place>>,
-    /// The blocks that change when a position is eliminated: for each of its rows, for each of its columns.
-    changed: Vec<Vec<usize>>,
     /// Largest terms of the pivots.
     sizes: Vec<f64>,
     /// Right-hand sides, then solutions: a row for each position and stage.
     panel: Vec<f64>,
     width: usize,
-}
-
-/// A block beside the diagonal.
-#[derive(Clone, Copy)]
-struct Place {
-    /// Its other position: the row or the column.
-    other: usize,
-    block: usize,
 }
 
 /// A pivot is too small to divide by.
@@ -61,80 +41,16 @@ impl StageSystem {
         if n > LARGEST {
             return None;
         }
-        let order = order_of_least_degree(pattern);
-        let mut position = vec![0; n];
-        order.iter().enumerate().for_each(|(k, i)| position[*i] = k);
-        let (mut rows, mut columns) = (vec![BTreeSet::new(); n], vec![BTreeSet::new(); n]);
-        for j in 0..n {
-            for i in pattern.column(j).iter().filter(|i| **i != j) {
-                rows[position[*i]].insert(position[j]);
-                columns[position[j]].insert(position[*i]);
-            }
-        }
-        for k in 0..n {
-            let (below, after) = (beyond(&columns[k], k), beyond(&rows[k], k));
-            for &i in &below {
-                for &j in after.iter().filter(|j| **j != i) {
-                    rows[i].insert(j);
-                    columns[j].insert(i);
-                }
-            }
-        }
-        let mut system = StageSystem {
-            order,
-            places: Vec::with_capacity(pattern.entries()),
-            blocks: vec![[0.0; 9]; n],
-            lower: vec![Vec::new(); n],
-            upper: vec![Vec::new(); n],
-            changed: vec![Vec::new(); n],
-            sizes: vec![0.0; n],
-            panel: vec![0.0; STAGES * n * width],
-            width,
-        };
-        system.number(&rows);
-        for j in 0..n {
-            let place = |i: &usize| system.block(position[*i], position[j]);
-            let column: Vec<usize> = pattern.column(j).iter().filter_map(place).collect();
-            system.places.extend(column);
-        }
+        let plan = SymbolicLu::new(pattern);
+        let (blocks, panel) = (vec![[0.0; 9]; plan.entries], vec![0.0; STAGES * n * width]);
+        let system = StageSystem { plan, blocks, sizes: vec![0.0; n], panel, width };
         system.pays(pattern).then_some(system)
-    }
-
-    /// Numbers the blocks of the filled matrix, whose rows are given.
-    fn number(&mut self, rows: &[BTreeSet<usize>]) {
-        for (i, row) in rows.iter().enumerate() {
-            for &j in row {
-                let block = self.blocks.len();
-                self.blocks.push([0.0; 9]);
-                match i > j {
-                    true => self.lower[j].push(Place { other: i, block }),
-                    false => self.upper[i].push(Place { other: j, block }),
-                }
-            }
-        }
-        for k in 0..rows.len() {
-            let pairs =
-                self.lower[k].iter().flat_map(|l| self.upper[k].iter().map(move |u| (l, u)));
-            let changed = pairs.filter_map(|(l, u)| self.block(l.other, u.other)).collect();
-            self.changed[k] = changed;
-        }
-    }
-
-    /// The number of a block.
-    fn block(&self, row: usize, column: usize) -> Option<usize> {
-        let (list, other) = match row.cmp(&column) {
-            std::cmp::Ordering::Equal => return Some(row),
-            std::cmp::Ordering::Greater => (&self.lower[column], row),
-            std::cmp::Ordering::Less => (&self.upper[row], column),
-        };
-        list.iter().find(|p| p.other == other).map(|p| p.block)
     }
 
     /// True if this takes fewer operations than four rounds of the iteration.
     fn pays(&self, pattern: &Pattern) -> bool {
-        let (n, entries) = (self.order.len(), pattern.entries());
-        let changes: usize = self.changed.iter().map(Vec::len).sum();
-        let own = 54 * changes + 18 * self.width * self.blocks.len();
+        let (n, entries) = (pattern.columns(), pattern.entries());
+        let own = 54 * self.plan.updates() + 18 * self.width * self.blocks.len();
         let factors = (n * n).min(4 * (entries + n));
         own <= 4 * self.width * (30 * n + 6 * entries + 10 * factors)
     }
@@ -148,14 +64,14 @@ impl StageSystem {
         inverse: &[[f64; STAGES]; STAGES],
         h: f64,
     ) -> Result<(), Weak> {
-        let n = self.order.len();
+        let n = self.sizes.len();
         self.blocks[n..].fill([0.0; 9]);
-        for (k, i) in self.order.iter().enumerate() {
+        for (k, i) in self.plan.order.iter().enumerate() {
             self.blocks[k] =
                 std::array::from_fn(|e| mass[*i] / h * inverse[e / STAGES][e % STAGES]);
         }
         for (stage, entries) in jacobians.into_iter().enumerate() {
-            for (entry, block) in entries.iter().zip(&self.places) {
+            for (entry, block) in entries.iter().zip(&self.plan.places) {
                 self.blocks[*block][stage * STAGES + stage] -= entry;
             }
         }
@@ -167,18 +83,18 @@ impl StageSystem {
 
     /// Replaces a diagonal block by its inverse and those below it by multipliers, and updates the others.
     fn eliminate(&mut self, k: usize) -> Result<(), Weak> {
-        let StageSystem { blocks, lower, upper, changed, sizes, .. } = self;
+        let StageSystem { plan, blocks, sizes, .. } = self;
         let pivot = inverse(&blocks[k]).ok_or(Weak)?;
         if !(largest(&pivot) * sizes[k] <= WEAKEST) {
             return Err(Weak);
         }
         blocks[k] = pivot;
-        let mut changed = changed[k].iter();
-        for row in &lower[k] {
-            let multiplier = product(&blocks[row.block], &pivot);
-            blocks[row.block] = multiplier;
-            for (column, target) in upper[k].iter().zip(&mut changed) {
-                let term = product(&multiplier, &blocks[column.block]);
+        let mut changed = plan.changed[k].iter();
+        for row in &plan.lower[k] {
+            let multiplier = product(&blocks[row.entry], &pivot);
+            blocks[row.entry] = multiplier;
+            for (column, target) in plan.upper[k].iter().zip(&mut changed) {
+                let term = product(&multiplier, &blocks[column.entry]);
                 if row.other == column.other {
                     sizes[row.other] = sizes[row.other].max(largest(&term));
                 }
@@ -191,7 +107,8 @@ impl StageSystem {
     /// Replaces the right-hand sides at the three stages by the increments that solve the equations. They are panels
     /// with a row for each component.
     pub fn solve(&mut self, r: &[Vec<f64>; STAGES], z: &mut [Vec<f64>; STAGES]) {
-        let StageSystem { order, blocks, lower, upper, panel, width, .. } = self;
+        let StageSystem { plan, blocks, panel, width, .. } = self;
+        let SymbolicLu { order, lower, upper, .. } = plan;
         let width = *width;
         for (rows, i) in panel.chunks_exact_mut(STAGES * width).zip(order.iter()) {
             for (row, r) in rows.chunks_exact_mut(width).zip(r) {
@@ -201,7 +118,7 @@ impl StageSystem {
         for (k, places) in lower.iter().enumerate() {
             for place in places {
                 let (head, tail) = panel.split_at_mut(place.other * STAGES * width);
-                subtract(tail, &blocks[place.block], &head[k * STAGES * width..], width);
+                subtract(tail, &blocks[place.entry], &head[k * STAGES * width..], width);
             }
         }
         for (k, places) in upper.iter().enumerate().rev() {
@@ -209,7 +126,7 @@ impl StageSystem {
             let rows = &mut head[k * STAGES * width..];
             for place in places {
                 let from = (place.other - k - 1) * STAGES * width;
-                subtract(rows, &blocks[place.block], &tail[from..], width);
+                subtract(rows, &blocks[place.entry], &tail[from..], width);
             }
             multiply(rows, &blocks[k], width);
         }
@@ -219,35 +136,6 @@ impl StageSystem {
             }
         }
     }
-}
-
-/// The positions of a set after `k`.
-fn beyond(set: &BTreeSet<usize>, k: usize) -> Vec<usize> {
-    set.range(k + 1..).copied().collect()
-}
-
-/// Eliminates repeatedly a component with the fewest neighbours.
-fn order_of_least_degree(pattern: &Pattern) -> Vec<usize> {
-    let n = pattern.columns();
-    let mut neighbours = vec![BTreeSet::new(); n];
-    for j in 0..n {
-        for &i in pattern.column(j).iter().filter(|i| **i != j) {
-            neighbours[i].insert(j);
-            neighbours[j].insert(i);
-        }
-    }
-    let mut left: BTreeSet<usize> = (0..n).collect();
-    let mut order = Vec::with_capacity(n);
-    while let Some(&next) = left.iter().min_by_key(|i| neighbours[**i].len()) {
-        left.remove(&next);
-        order.push(next);
-        let around: Vec<usize> = std::mem::take(&mut neighbours[next]).into_iter().collect();
-        for &i in &around {
-            neighbours[i].remove(&next);
-            neighbours[i].extend(around.iter().filter(|j| **j != i));
-        }
-    }
-    order
 }
 
 /// The largest entry.

@@ -243,9 +243,7 @@ impl Variation {
                 system.slopes(k, width, &self.stage, &mut self.r[k]);
             }
             residuals(&mut self.r, &self.w, matrix.mass(), width, shift);
-            let [real, re, im] = &mut self.r;
-            matrix.solve_real_panel(real, width);
-            matrix.solve_complex_panel(re, im, width);
+            matrix.solve_panels(&mut self.r, width);
             advance(&self.r, &mut self.w, &mut self.z);
             self.measure(step.weights);
             let mut is_open = false;
