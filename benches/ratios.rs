@@ -103,8 +103,7 @@ fn derivatives() {
     let plan = plan_file::read(&path, &text, &mut session.sources, &mut session.problems);
     let plan = plan.expect("a plan");
     let data = data::read(&plan, &mut session.problems).expect("recordings");
-    let mut program =
-        session.compile(&Request::new(Some(plan.model.clone()), None)).expect("a program");
+    let mut program = session.compile(&plan.request(None)).expect("a program");
     record_signals(&mut program, &plan);
     let mut problems = Problems::new();
     let problem = Problem::new(&program, &session.sources, &plan, &data, &mut problems);

@@ -177,6 +177,7 @@ impl Plan {
             text: self.memory.model.clone(),
             settings: self.fixed.clone(),
             recorded: self.inputs.iter().map(|i| i.input.clone()).collect(),
+            differentiated: self.targets(),
             folders: self.libraries.clone(),
             modelica_path,
             takes_fmu: true,
@@ -184,6 +185,11 @@ impl Plan {
             packed: self.memory.packed.clone(),
             ..Request::new(Some(self.model.clone()), self.name.clone())
         }
+    }
+
+    /// The parameters of the model by which its runs are differentiated.
+    pub fn targets(&self) -> Vec<String> {
+        self.free.iter().chain(&self.each).flat_map(|f| f.targets.iter().cloned()).collect()
     }
 
     /// Gives each training recording parameters of its own, which are fitted together with the others.

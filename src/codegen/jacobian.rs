@@ -192,18 +192,18 @@ pub fn of_torn(e: &mut Emitter, torn: &Torn) -> Vec<(u32, u32, ExprId)> {
     entries
 }
 
-/// Emits the Jacobian of the derivatives and residuals with respect to the states and algebraic
-/// unknowns to the top layer. `needed` are the continuous blocks that derivatives depend on, in
+/// Emits the Jacobian of the derivatives and residuals with respect to the variables `seeds` to the top layer: the
+/// states and algebraic unknowns, or variables that are constant between events. `needed` are the continuous blocks that derivatives depend on, in
 /// order; `torn_blocks` the number of each torn block that is solved within an evaluation.
 pub fn of_system(
     e: &mut Emitter,
     blocks: &SortedBlocks,
     needed: &[usize],
     torn_blocks: &FastMap<usize, u32>,
+    seeds: &[VarId],
 ) -> Vec<Entry> {
     let mut rows = Rows::default();
-    let components = blocks.components();
-    for (j, v) in components.iter().enumerate() {
+    for (j, v) in seeds.iter().enumerate() {
         rows.seed(e, *v, j as u32);
     }
     for &i in needed {
@@ -220,7 +220,7 @@ pub fn of_system(
             }
             Block::Torn(t) => {
                 let torn_block = torn_blocks.get(&i).copied().unwrap_or(0);
-                through_torn(e, &mut rows, t, torn_block, components.len() as u32);
+                through_torn(e, &mut rows, t, torn_block, seeds.len() as u32);
             }
             // Nothing discrete is determined between events.
             Block::Mixed(_) => {}

@@ -10,6 +10,7 @@ pub mod block;
 mod derivative_function;
 pub mod emit;
 pub mod error;
+mod forcing;
 mod function;
 pub mod jacobian;
 pub mod layout;
@@ -45,6 +46,14 @@ pub fn compile(blocks: Blocks) -> Result<Program, Problems> {
 ///
 /// Errors are diagnostics of codes `MO0801` and following.
 pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems> {
+    compile_for(blocks, form, &[])
+}
+
+/// Compiles the sorted system to a program of this form, with code for runs that are differentiated by the parameters
+/// `by` ([`Program::forcing`]).
+///
+/// Errors are diagnostics of codes `MO0801` and following.
+pub fn compile_for(blocks: Blocks, form: SystemForm, by: &[VarId]) -> Result<Program, Problems> {
     let Blocks {
         dae,
         states,
@@ -75,7 +84,7 @@ pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems>
     let by_states = sequence::initial_by_states(&mut emitter, &order);
     emitter.initialized.clear();
     let at_events = sequence::event(&mut emitter, &order);
-    let between = sequence::continuous(&mut emitter, &order);
+    let between = sequence::continuous(&mut emitter, &order, by);
     for k in 0..emitter.layout.delays.len() {
         let v = emitter.layout.delays[k].variable;
         let level = emitter.levels.get(v.idx()).copied().flatten();
@@ -126,6 +135,7 @@ pub fn compile_as(blocks: Blocks, form: SystemForm) -> Result<Program, Problems>
         },
         algebraics,
         jacobian_entries: between.jacobian_entries,
+        forcing: between.forcing,
         state_sets: set_slots,
         routines,
         events,

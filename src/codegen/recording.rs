@@ -89,6 +89,10 @@ fn slots_read_elsewhere(program: &Program) -> Vec<bool> {
         i.jacobian.iter().chain(&i.seeds).map(entry).for_each(&mut mark);
     }
     program.jacobian_entries.iter().map(entry).for_each(&mut mark);
+    if let Some(forcing) = &program.forcing {
+        forcing.tape.iter().for_each(|i| operands(i, &mut mark));
+        forcing.entries.iter().map(entry).for_each(&mut mark);
+    }
     program
         .routines
         .calls

@@ -5,7 +5,7 @@ use crate::ir::blocks::Block;
 use crate::ir::dae::{Dae, Trigger, VariableKind};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
 use crate::ir::program::{
-    AssertSlots, BlockPosition, Clock, Entry, Op, ReinitSlots, Sequence, Slot, Tape,
+    AssertSlots, BlockPosition, Clock, Entry, Forcing, Op, ReinitSlots, Sequence, Slot, Tape,
 };
 use crate::ir::program::{Bounds, DelaySlots, ReaderSlots, TransportSlots};
 
@@ -13,7 +13,7 @@ use super::block::{self, compile_block, compile_mixed};
 use super::emit::{CONTINUOUS, DISCRETE, Emitter, PARAMETER};
 use super::layout::default_start;
 use super::relation::{emit_indicators, evaluate_relation, relations_in};
-use super::{SortedBlocks, algebraic, error, jacobian, nominal};
+use super::{SortedBlocks, algebraic, error, forcing, jacobian, nominal};
 
 /// The initial or the event sequence.
 pub struct SequenceTape {
@@ -38,6 +38,8 @@ pub struct Continuous {
     pub jacobian: Tape,
     /// Entries of the Jacobian.
     pub jacobian_entries: Vec<Entry>,
+    /// Derivatives by parameters.
+    pub forcing: Option<Forcing>,
 }
 
 /// Compiles the bottom layer: parameters, start values, nominal values and clocks.
@@ -194,8 +196,9 @@ pub fn event(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
     SequenceTape { tape: e.pop_discard(), lagged }
 }
 
-/// Compiles the continuous sequence, split into derivatives, indicators and outputs.
-pub fn continuous(e: &mut Emitter, blocks: &SortedBlocks) -> Continuous {
+/// Compiles the continuous sequence, split into derivatives, indicators and outputs, with what runs need that are
+/// differentiated by the parameters `by`.
+pub fn continuous(e: &mut Emitter, blocks: &SortedBlocks, by: &[VarId]) -> Continuous {
     reset_levels(e, true);
     e.continuous_level = CONTINUOUS;
     for v in blocks.components() {
@@ -260,11 +263,13 @@ pub fn continuous(e: &mut Emitter, blocks: &SortedBlocks) -> Continuous {
     let roots = e.pop_discard();
 
     e.floor = e.push_layer();
-    let jacobian_entries = jacobian::of_system(e, blocks, &needed, &torn_blocks);
+    let components = blocks.components();
+    let jacobian_entries = jacobian::of_system(e, blocks, &needed, &torn_blocks, &components);
+    let forcing = forcing::of_system(e, blocks, &needed, &torn_blocks, by);
     let jacobian = e.pop_discard();
     let rhs = e.pop_discard();
     let discrete = e.pop_discard();
-    Continuous { discrete, rhs, roots, outputs, jacobian, jacobian_entries }
+    Continuous { discrete, rhs, roots, outputs, jacobian, jacobian_entries, forcing }
 }
 
 /// Resets the levels of all variables for a new sequence. `initialised`: parameters with

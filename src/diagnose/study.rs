@@ -191,6 +191,7 @@ impl Study {
     ) -> Result<(Session, Program), DiagnosisError> {
         let mut session = Session { parameters_vary: true, ..Session::default() };
         let mut request = self.request.clone();
+        request.differentiated = plan.targets();
         if !attached.is_empty() {
             let trial = Extension { name: TRIAL_MODEL, base: &self.base, ..Extension::default() };
             request.appended = Some(trial.source(attached));

@@ -55,6 +55,8 @@ pub struct Request {
     pub check_units: bool,
     /// Inputs of the model, or of its components, that recordings drive.
     pub recorded: Vec<String>,
+    /// Parameters by which runs will be differentiated, by name: code for this is generated.
+    pub differentiated: Vec<String>,
     /// How algebraic loops are solved while the model runs.
     pub form: SystemForm,
     /// Folders of libraries.
@@ -255,18 +257,22 @@ impl Session {
 
     /// The program of a sorted system.
     pub fn generate(&mut self, blocks: Blocks) -> Result<Program, CompileError> {
-        self.generate_as(blocks, SystemForm::Ode)
+        self.generate_for(blocks, SystemForm::Ode, &[])
     }
 
-    /// The program of a sorted system, in this form.
-    pub fn generate_as(
+    /// The program of a sorted system, in this form, with code for runs that are differentiated by these parameters.
+    fn generate_for(
         &mut self,
         blocks: Blocks,
         form: SystemForm,
+        differentiated: &[String],
     ) -> Result<Program, CompileError> {
         let begun = Instant::now();
         activity::note("generating code".to_owned());
-        let program = crate::codegen::compile_as(blocks, form);
+        let variables = blocks.dae.variables.enumerate();
+        let is_named = |name: &str| differentiated.iter().any(|d| d == name);
+        let by: Vec<VarId> = variables.filter(|(_, x)| is_named(&x.name)).map(|(v, _)| v).collect();
+        let program = crate::codegen::compile_for(blocks, form, &by);
         self.times.push(("codegen", begun.elapsed()));
         if let Ok(program) = &program {
             verify::after("codegen", "program", || verify::program::check(program));
@@ -283,20 +289,29 @@ impl Session {
         self.compare_units(&flat, request);
         self.adopt_names(&mut flat);
         self.drive(&mut flat, &request.recorded)?;
-        self.compile_flat(flat, request.form)
+        self.compile_differentiated(flat, request.form, &request.differentiated)
     }
 
     /// The program of a flat model, in this form.
     pub fn compile_flat(
         &mut self,
+        flat: FlatModel,
+        form: SystemForm,
+    ) -> Result<Program, CompileError> {
+        self.compile_differentiated(flat, form, &[])
+    }
+
+    fn compile_differentiated(
+        &mut self,
         mut flat: FlatModel,
         form: SystemForm,
+        differentiated: &[String],
     ) -> Result<Program, CompileError> {
         self.adopt_names(&mut flat);
         self.drive_computed(&mut flat);
         let between = crate::lower::homotopy::homotopy_model(&flat);
         let blocks = self.sort(flat)?;
-        let mut program = self.generate_as(blocks, form)?;
+        let mut program = self.generate_for(blocks, form, differentiated)?;
         let tearing = self.start_tearing;
         program.continuation =
             between.and_then(|flat| continuation(flat, &program, tearing)).map(Box::new);

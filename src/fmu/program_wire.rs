@@ -449,6 +449,7 @@ impl Wire for Program {
             rows: None,
             algebraics: Vec::<AlgebraicUnknown>::new(),
             jacobian_entries: Wire::read(from)?,
+            forcing: None,
             state_sets: Wire::read(from)?,
             routines: Wire::read(from)?,
             events: Wire::read(from)?,

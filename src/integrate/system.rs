@@ -25,6 +25,11 @@ pub trait System {
         None
     }
 
+    /// True if the Jacobian has entries outside of the pattern at present, which `jacobian` writes.
+    fn leaves_pattern(&self) -> bool {
+        false
+    }
+
     /// Writes `df_i/dy_j (t, y)` for all entries `(i, j)` of `pattern`, in its order. Called only
     /// for systems that provide a pattern.
     fn jacobian_entries(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalError> {

@@ -14,4 +14,10 @@ pub trait Variational {
     /// Writes `J s + b` of all directions at a stage to `out`. Both are panels ([`crate::numeric::panel`]) with a row
     /// for each component of `y` and a column for each direction.
     fn slopes(&self, stage: usize, width: usize, s: &[f64], out: &mut [f64]);
+
+    /// The entries of `J` at a stage, in the order of the pattern of the system; `None` if they are not at hand.
+    fn jacobian(&self, stage: usize) -> Option<&[f64]> {
+        let _ = stage;
+        None
+    }
 }

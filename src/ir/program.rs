@@ -13,8 +13,9 @@
 //!
 //! Tapes run from rare to frequent: `parameters` once; `initial` once; `event` in each event
 //! iteration; `discrete` after each event; `rhs` at each evaluation of derivatives; at the same
-//! point then `jacobian`, or `roots` followed by `outputs`; `state_selection` after each step. Rows
-//! between steps run `rows`, if there is one, in place of `rhs`, `roots` and `outputs`.
+//! point then `jacobian`, followed by the tape of `forcing` if the run is differentiated, or `roots` followed by
+//! `outputs`; `state_selection` after each step. Rows between steps run `rows`, if there is one, in place of `rhs`,
+//! `roots` and `outputs`.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::Arc;
@@ -505,6 +506,8 @@ pub struct Program {
     pub algebraics: Vec<AlgebraicUnknown>,
     /// The structurally nonzero entries of the Jacobian, by row, then column.
     pub jacobian_entries: Vec<Entry>,
+    /// Derivatives by parameters, if runs are to be differentiated by some.
+    pub forcing: Option<Forcing>,
     /// One for each of `blocks.state_sets`.
     pub state_sets: Vec<StateSetSlots>,
     /// Blocks and functions that instructions refer to.
@@ -517,6 +520,19 @@ pub struct Program {
     pub continuation: Option<Box<Continuation>>,
     /// The foreign model that computes the variables, which are then inputs of the program.
     pub foreign: Option<Arc<Foreign>>,
+}
+
+/// Derivatives of the right side by parameters and discrete variables at constant states.
+#[derive(Clone, Debug)]
+pub struct Forcing {
+    /// A run may use it that is differentiated by these parameters, and by start values.
+    pub inputs: Vec<VarId>,
+    /// The slots of the parameters and discrete variables.
+    pub seeds: Vec<Slot>,
+    /// Computes the derivatives; runs after `rhs` and `jacobian` at the same point.
+    pub tape: Tape,
+    /// The structurally nonzero derivatives: row of the right side, position of the seed.
+    pub entries: Vec<Entry>,
 }
 
 /// The model with `(1 - lambda) simplified + lambda actual` for each `homotopy(actual,
@@ -590,6 +606,7 @@ impl Program {
         }
         all.extend(self.routines.mixed_blocks.iter().map(|mixed| ("loop", &mixed.tape)));
         all.extend(self.rows.iter().map(|tape| ("rows", tape)));
+        all.extend(self.forcing.iter().map(|forcing| ("forcing", &forcing.tape)));
         all
     }
 
@@ -614,7 +631,9 @@ impl Program {
             .iter_mut()
             .flat_map(|s| [&mut s.residual_tape, &mut s.jacobian_tape]);
         let mixed_blocks = self.routines.mixed_blocks.iter_mut().map(|mixed| &mut mixed.tape);
+        let forcing = self.forcing.iter_mut().map(|forcing| &mut forcing.tape);
         let all = own.into_iter().chain(blocks).chain(mixed_blocks).chain(&mut self.rows);
+        let all = all.chain(forcing);
         for (number, tape) in all.enumerate() {
             tape.number = Some(number as u32);
         }
@@ -636,6 +655,15 @@ impl Program {
             }
         }
         let exists = |slot: &Slot| (*slot as usize) < self.image.len();
+        let of_forcing = |f: &Forcing| {
+            f.seeds.iter().chain(f.entries.iter().map(|e| &e.slot)).all(exists)
+                && f.entries.iter().all(|e| (e.column as usize) < f.seeds.len())
+        };
+        if !self.forcing.iter().all(of_forcing) {
+            return Err(
+                "a derivative by a parameter refers to something that does not exist".into()
+            );
+        }
         if self.routines.functions.iter().any(|f| f.frame.end as usize > self.image.len()) {
             return Err("a function has a frame of slots that do not exist".into());
         }

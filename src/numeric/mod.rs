@@ -33,5 +33,6 @@ pub mod root;
 pub mod small_lu;
 pub mod smoothing;
 pub mod sqp;
+pub mod symbolic_lu;
 pub mod time_series;
 pub mod whiteness;

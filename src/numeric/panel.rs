@@ -5,7 +5,7 @@
 //! takes a fifth of the time of 64 vectors. The factors are those of [`super::small_lu`].
 
 /// Columns that are processed together; the width of a panel is a multiple of it.
-pub const LANES: usize = 8;
+pub const LANES: usize = 4;
 
 /// Smallest width of a panel with so many columns; never zero.
 pub fn width(columns: usize) -> usize {

@@ -299,7 +299,7 @@ impl<'p> Machine<'p> {
     /// Executes a tape, then propagates its derivatives if requested.
     pub fn run(&mut self, tape: &'p Tape) -> Result<(), Fault> {
         if let Some(mut tangents) = self.tangents.take() {
-            let outcome = self.run(tape).and_then(|()| tangents.propagate(self, tape));
+            let outcome = self.run(tape).and_then(|()| tangents.propagate_tape(self, tape));
             self.tangents = Some(tangents);
             return outcome;
         }

@@ -59,6 +59,16 @@ impl ProbeHistory {
     }
 }
 
+/// How the right side was differentiated.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Differentiated {
+    Exactly,
+    /// With arguments clamped to the domain of functions.
+    Clamped,
+    /// A torn block has no derivative.
+    Not,
+}
+
 fn state_relations(program: &Program) -> Vec<u32> {
     let count = program.events.relation_triggers.len() as u32;
     (0..count)
@@ -215,14 +225,14 @@ impl<'p> HybridSystem<'p> {
         self.machine.derivatives(t, &y[..n], &mut self.slope[..n]).is_ok()
     }
 
-    /// Executes the tape of the Jacobian; false if a torn block has no derivative there. The caller
-    /// then uses difference quotients.
-    fn differentiate(&mut self, t: f64, y: &[f64]) -> Result<bool, EvalError> {
+    /// Executes the tape of the Jacobian. If a torn block has no derivative there, the caller uses difference quotients.
+    fn differentiate(&mut self, t: f64, y: &[f64]) -> Result<Differentiated, EvalError> {
         self.probes.is_current = false;
         let program = self.machine.program;
         let n = program.order();
         self.machine.set_point(t, &y[..n]);
-        if let Err(fault) = self.machine.run(&program.tapes.rhs) {
+        let evaluated = self.machine.run(&program.tapes.rhs);
+        if let Err(fault) = evaluated {
             let HybridSystem { machine, left_domain, strict, base, .. } = self;
             derivatives(
                 machine,
@@ -234,7 +244,11 @@ impl<'p> HybridSystem<'p> {
             )
             .map_err(|_| recoverable(&self.machine))?;
         }
-        Ok(self.machine.run(&program.tapes.jacobian).is_ok())
+        Ok(match (self.machine.run(&program.tapes.jacobian), evaluated) {
+            (Err(_), _) => Differentiated::Not,
+            (Ok(()), Err(_)) => Differentiated::Clamped,
+            (Ok(()), Ok(())) => Differentiated::Exactly,
+        })
     }
 
     /// Writes a column of the Jacobian to `slope` as one-sided difference quotients, for points
@@ -279,6 +293,35 @@ impl HybridSystem<'_> {
     }
 }
 
+impl HybridSystem<'_> {
+    /// Writes the entries of the Jacobian at `(t, y)` in the order of the pattern. True if the memory then holds the
+    /// right side there, evaluated without clamped arguments.
+    pub fn linearise(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<bool, EvalError> {
+        // During sliding this is the Jacobian of one side: close enough for Newton's method.
+        let program = self.machine.program;
+        let outcome = self.differentiate(t, y)?;
+        for (e, &place) in program.jacobian_entries.iter().zip(&self.positions) {
+            let exact = outcome != Differentiated::Not;
+            values[place] = if exact { self.machine.get(e.slot) } else { f64::NAN };
+        }
+        if values.iter().all(|d| d.is_finite()) {
+            return Ok(outcome == Differentiated::Exactly);
+        }
+        for column in 0..program.order() {
+            let starts = self.pattern.column_starts();
+            let range = starts[column]..starts[column + 1];
+            if values[range.clone()].iter().any(|d| !d.is_finite()) {
+                self.difference(t, y, column).map_err(|_| recoverable(&self.machine))?;
+                let rows = self.pattern.column(column);
+                for (value, &i) in values[range].iter_mut().zip(rows) {
+                    *value = self.slope[i];
+                }
+            }
+        }
+        Ok(false)
+    }
+}
+
 impl System for HybridSystem<'_> {
     fn dim(&self) -> usize {
         self.differential.len()
@@ -308,7 +351,7 @@ impl System for HybridSystem<'_> {
         if self.sliding.is_some() {
             return self.differences(t, y, j);
         }
-        let exact = self.differentiate(t, y)?;
+        let exact = self.differentiate(t, y)? != Differentiated::Not;
         for e in &program.jacobian_entries {
             let value = if exact { self.machine.get(e.slot) } else { f64::NAN };
             j[e.row as usize + dim * e.column as usize] = value;
@@ -327,25 +370,12 @@ impl System for HybridSystem<'_> {
         Some(&self.pattern)
     }
 
+    fn leaves_pattern(&self) -> bool {
+        self.sliding.is_some()
+    }
+
     fn jacobian_entries(&mut self, t: f64, y: &[f64], values: &mut [f64]) -> Result<(), EvalError> {
-        // During sliding this is the Jacobian of one side: close enough for Newton's method.
-        let program = self.machine.program;
-        let exact = self.differentiate(t, y)?;
-        for (e, &place) in program.jacobian_entries.iter().zip(&self.positions) {
-            values[place] = if exact { self.machine.get(e.slot) } else { f64::NAN };
-        }
-        for column in 0..program.order() {
-            let starts = self.pattern.column_starts();
-            let range = starts[column]..starts[column + 1];
-            if values[range.clone()].iter().any(|d| !d.is_finite()) {
-                self.difference(t, y, column).map_err(|_| recoverable(&self.machine))?;
-                let rows = self.pattern.column(column);
-                for (value, &i) in values[range].iter_mut().zip(rows) {
-                    *value = self.slope[i];
-                }
-            }
-        }
-        Ok(())
+        self.linearise(t, y, values).map(|_| ())
     }
 }
 

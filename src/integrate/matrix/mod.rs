@@ -6,10 +6,12 @@
 //! never mixes a component whose equation is `y' = 0` with others, so its correction is exactly
 //! zero, and a locked mass does not move by a bit.
 
+pub mod elimination;
 pub mod panel;
 pub mod sparse;
 pub mod split;
 
+use crate::integrate::matrix::elimination::Elimination;
 use crate::integrate::matrix::panel::PanelMemory;
 use crate::integrate::matrix::sparse::SparseParts;
 use crate::integrate::matrix::split::{Columns, Split};
@@ -37,6 +39,12 @@ pub struct IterationMatrix {
     core_re: Vec<f64>,
     core_im: Vec<f64>,
     panel: PanelMemory,
+    /// A decomposition for small systems that comes before the others.
+    elimination: Option<Box<Elimination>>,
+    /// The Jacobian is that of `elimination`.
+    has_entries: bool,
+    /// The decompositions are those of `elimination`.
+    is_eliminated: bool,
 }
 
 /// The multiples of `M`: `real` in the real matrix, `re + i im` in the complex one.
@@ -78,13 +86,20 @@ impl IterationMatrix {
         IterationMatrix::new(pattern.columns(), count, planes, Parts::Sparse(Box::new(parts)))
     }
 
-    /// Sparse if the system is large and provides the pattern of its Jacobian, else dense. The
+    /// Sparse if the system is large and provides the pattern of its Jacobian, else dense; for Radau preceded by an
+    /// [`Elimination`] if the system is small. The
     /// memory of sparse decompositions is allocated at the first one, and again if the zeros of the
     /// Jacobian change.
     pub fn for_system(system: &dyn System, planes: Planes) -> Self {
         match system.pattern().filter(|p| sparse::pays(p)) {
             Some(p) => IterationMatrix::sparse(p, planes),
-            None => IterationMatrix::dense(system.dim(), planes),
+            None => {
+                let elimination = match planes {
+                    Planes::Real => None,
+                    Planes::Complex => Elimination::for_system(system).map(Box::new),
+                };
+                IterationMatrix { elimination, ..IterationMatrix::dense(system.dim(), planes) }
+            }
         }
     }
 
@@ -103,6 +118,9 @@ impl IterationMatrix {
             core_re: vec![0.0; n],
             core_im: complex(),
             panel: PanelMemory::default(),
+            elimination: None,
+            has_entries: false,
+            is_eliminated: false,
         }
     }
 
@@ -129,6 +147,12 @@ impl IterationMatrix {
         t: f64,
         y: &[f64],
     ) -> Result<(), EvalError> {
+        (self.has_entries, self.is_eliminated) = (false, false);
+        if let Some(elimination) = self.elimination.as_mut().filter(|_| !system.leaves_pattern()) {
+            elimination.evaluate(system, t, y)?;
+            self.has_entries = true;
+            return Ok(());
+        }
         match &mut self.parts {
             Parts::Dense(parts) => parts.evaluate(system, t, y),
             Parts::Sparse(parts) => parts.evaluate(system, t, y),
@@ -137,6 +161,9 @@ impl IterationMatrix {
 
     /// Splits rows by the zeros of the new Jacobian. `Err` is the first row that is not finite.
     pub fn analyze(&mut self) -> Result<(), usize> {
+        if let Some(elimination) = self.elimination.as_ref().filter(|_| self.has_entries) {
+            return elimination.first_non_finite().map_or(Ok(()), Err);
+        }
         match &mut self.parts {
             Parts::Dense(parts) => parts.analyze(&mut self.split, &self.mass),
             Parts::Sparse(parts) => parts.analyze(&mut self.split, &self.mass),
@@ -147,6 +174,17 @@ impl IterationMatrix {
     /// The error names a component.
     pub fn factor(&mut self, shift: Shift) -> Result<(), Singular> {
         self.shift = shift;
+        if let Some(elimination) = self.elimination.as_mut().filter(|_| self.has_entries) {
+            self.is_eliminated = elimination.factor(shift).is_ok();
+            if self.is_eliminated {
+                return Ok(());
+            }
+            if let Parts::Dense(parts) = &mut self.parts {
+                parts.jacobian.set(elimination.entries());
+                // Its entries are finite.
+                let _ = parts.analyze(&mut self.split, &self.mass);
+            }
+        }
         let (mass, split) = (&self.mass, &self.split);
         for (k, s) in split.substituted.iter().enumerate() {
             let real = s.mass * shift.real - s.jacobian;
@@ -171,8 +209,22 @@ impl IterationMatrix {
         outcome.map_err(|error| Singular { column: split.columns[error.column] })
     }
 
+    /// Solves with both matrices, in place: `a` with the real one, `re + i im` with the complex one.
+    pub fn solve(&mut self, a: &mut [f64], re: &mut [f64], im: &mut [f64]) {
+        match self.elimination.as_mut().filter(|_| self.is_eliminated) {
+            Some(elimination) => elimination.solve(a, re, im),
+            None => {
+                self.solve_real(a);
+                self.solve_complex(re, im);
+            }
+        }
+    }
+
     /// Solves with the real matrix, in place.
     pub fn solve_real(&mut self, b: &mut [f64]) {
+        if let Some(elimination) = self.elimination.as_mut().filter(|_| self.is_eliminated) {
+            return elimination.solve_real(b);
+        }
         let split = &self.split;
         if split.substituted.is_empty() {
             return self.parts.solve_real(b);
@@ -197,8 +249,8 @@ impl IterationMatrix {
         }
     }
 
-    /// Solves with the complex matrix, in place. Only with [`Planes::Complex`].
-    pub fn solve_complex(&mut self, b_re: &mut [f64], b_im: &mut [f64]) {
+    /// Solves with the complex matrix, in place. Only with [`Planes::Complex`], and without an [`Elimination`].
+    fn solve_complex(&mut self, b_re: &mut [f64], b_im: &mut [f64]) {
         let split = &self.split;
         if split.substituted.is_empty() {
             return self.parts.solve_complex(b_re, b_im);
@@ -319,6 +371,12 @@ impl DenseParts {
 }
 
 impl DenseJacobian {
+    /// Sets the entries at these rows and columns; the others are zero.
+    fn set(&mut self, entries: impl Iterator<Item = (usize, usize, f64)>) {
+        self.values.fill(0.0);
+        entries.for_each(|(i, j, value)| self.values[i + self.n * j] = value);
+    }
+
     /// Copies `-J` restricted to the core.
     fn core(&self, split: &Split, matrix: &mut [f64]) {
         let order = split.rows.len();

@@ -26,8 +26,29 @@ impl PanelMemory {
 }
 
 impl IterationMatrix {
+    /// Solves with both matrices, in place, for all columns of panels: `a` with the real one, `re + i im` with the
+    /// complex one.
+    pub fn solve_panels(&mut self, [a, re, im]: &mut [Vec<f64>; 3], width: usize) {
+        let Some(elimination) = self.elimination.as_mut().filter(|_| self.is_eliminated) else {
+            self.solve_real_panel(a, width);
+            return self.solve_complex_panel(re, im, width);
+        };
+        let n = self.mass.len();
+        let mut columns = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        for d in 0..width {
+            for (column, panel) in columns.iter_mut().zip([&*a, &*re, &*im]) {
+                (0..n).for_each(|i| column[i] = panel[i * width + d]);
+            }
+            let [x, y, z] = &mut columns;
+            elimination.solve(x, y, z);
+            for (column, panel) in columns.iter().zip([&mut *a, &mut *re, &mut *im]) {
+                (0..n).for_each(|i| panel[i * width + d] = column[i]);
+            }
+        }
+    }
+
     /// Solves with the real matrix, in place, for all columns of a panel.
-    pub fn solve_real_panel(&mut self, b: &mut [f64], width: usize) {
+    fn solve_real_panel(&mut self, b: &mut [f64], width: usize) {
         let IterationMatrix { split, parts, panel, .. } = self;
         if split.substituted.is_empty() {
             return parts.solve_real_panel(b, self.mass.len(), width, &mut self.core_re);
@@ -58,7 +79,7 @@ impl IterationMatrix {
     }
 
     /// Solves with the complex matrix, in place, for all columns of a panel.
-    pub fn solve_complex_panel(&mut self, b_re: &mut [f64], b_im: &mut [f64], width: usize) {
+    fn solve_complex_panel(&mut self, b_re: &mut [f64], b_im: &mut [f64], width: usize) {
         let IterationMatrix { split, parts, panel, core_re, core_im, .. } = self;
         let scratch = (&mut core_re[..], &mut core_im[..]);
         if split.substituted.is_empty() {

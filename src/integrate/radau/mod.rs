@@ -7,6 +7,7 @@
 //! meet them.
 pub mod estimate;
 pub mod polynomial;
+pub mod stage_system;
 pub mod stages;
 pub mod tableau;
 pub mod variation;

@@ -260,8 +260,7 @@ pub fn correct(
         let w = [mass * w1[i], mass * w2[i], mass * w3[i]];
         [r1[i], r2[i], r3[i]] = transformed_residual([r1[i], r2[i], r3[i]], w, shift);
     }
-    matrix.solve_real(r1);
-    matrix.solve_complex(r2, r3);
+    matrix.solve(r1, r2, r3);
 }
 
 /// `T^-1 f - L w` for the right sides `f` of one component at the stages and its increments `w`, times the mass.

@@ -6,17 +6,20 @@
 //! 1985; T. Maly, L. Petzold, Applied Numerical Mathematics 20, 1996). The matrices of the step,
 //! whose Jacobian may be slightly outdated, precondition a fixed-point iteration that converges
 //! like the Newton iteration of the step. If it does not converge, the stage equations are solved
-//! directly.
+//! directly, as dense ones. Where the entries of the Jacobians are known and elimination takes less
+//! than the iteration, they are solved by [`super::stage_system`] at once.
 
 use crate::integrate::control::Point;
 use crate::integrate::matrix::{IterationMatrix, Shift};
 use crate::integrate::radau::polynomial::Polynomial;
+use crate::integrate::radau::stage_system::StageSystem;
 use crate::integrate::radau::stages::{advance, shift, transform, transformed_residual};
 use crate::integrate::radau::tableau::{ALPHA, BETA, C1, C2, GAMMA, T, T_INVERSE};
 use crate::integrate::system::EvalError;
 use crate::integrate::variational::Variational;
 use crate::numeric::linear::{DenseLu, Singular};
 use crate::numeric::panel;
+use crate::numeric::pattern::Pattern;
 
 /// Maximum number of iterations before the stage equations are solved directly.
 const MAX_ITERATIONS: u32 = 12;
@@ -46,6 +49,8 @@ pub struct Variation {
     point: Vec<f64>,
     progress: Vec<Progress>,
     whole: Option<Box<Whole>>,
+    /// The stage equations by blocks, if the pattern of the Jacobian is known and elimination pays.
+    blocks: Option<Box<StageSystem>>,
     /// The diagonal of `M`, if it differs from that of the solution.
     mass: Option<Vec<f64>>,
 }
@@ -109,8 +114,16 @@ impl Variation {
             point: vec![0.0; n],
             progress: vec![Progress::default(); directions],
             whole: None,
+            blocks: None,
             mass: None,
         }
+    }
+
+    /// As [`Variation::new`], for equations whose Jacobians have this pattern.
+    pub fn with_pattern(pattern: &Pattern, directions: usize) -> Self {
+        let variation = Variation::new(pattern.columns(), directions);
+        let blocks = StageSystem::new(pattern, variation.width).map(Box::new);
+        Variation { blocks, ..variation }
     }
 
     /// As [`Variation::new`], for differential equations of `n` components with a constraint and
@@ -174,6 +187,7 @@ impl Variation {
                 solved?;
                 self.level_last();
             }
+            None if self.solve_by_blocks(system, h, matrix.mass()) => {}
             None => {
                 self.iterate(system, &step, matrix);
                 if self.progress.iter().any(|p| p.state != State::Converged) {
@@ -187,6 +201,22 @@ impl Variation {
         self.polynomial.set(h, end, &self.s, &self.z, self.continued);
         self.continued = self.mass.is_none();
         Ok(())
+    }
+
+    /// Solves the stage equations by blocks; false, with nothing changed that matters, where that is not possible.
+    fn solve_by_blocks(&mut self, system: &dyn Variational, h: f64, mass: &[f64]) -> bool {
+        let Variation { width, s, z, r, blocks: Some(blocks), .. } = self else { return false };
+        let [Some(first), Some(second), Some(third)] = [0, 1, 2].map(|k| system.jacobian(k)) else {
+            return false;
+        };
+        if blocks.factor([first, second, third], mass, &inverse_of_a(), h).is_err() {
+            return false;
+        }
+        for (k, r) in r.iter_mut().enumerate() {
+            system.slopes(k, *width, s, r);
+        }
+        blocks.solve(r, z);
+        z.iter().flatten().all(|z| z.is_finite())
     }
 
     /// The fixed-point iteration, in all directions until each has converged or is too slow.
@@ -213,9 +243,7 @@ impl Variation {
                 system.slopes(k, width, &self.stage, &mut self.r[k]);
             }
             residuals(&mut self.r, &self.w, matrix.mass(), width, shift);
-            let [real, re, im] = &mut self.r;
-            matrix.solve_real_panel(real, width);
-            matrix.solve_complex_panel(re, im, width);
+            matrix.solve_panels(&mut self.r, width);
             advance(&self.r, &mut self.w, &mut self.z);
             self.measure(step.weights);
             let mut is_open = false;
@@ -390,7 +418,7 @@ pub struct AcceptedStep<'a> {
 }
 
 /// `A^-1 = T L T^-1`
-fn inverse_of_a() -> [[f64; 3]; 3] {
+pub fn inverse_of_a() -> [[f64; 3]; 3] {
     let l = [[GAMMA, 0.0, 0.0], [0.0, ALPHA, -BETA], [0.0, BETA, ALPHA]];
     let product = |a: [[f64; 3]; 3], b: [[f64; 3]; 3]| -> [[f64; 3]; 3] {
         std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| a[i][k] * b[k][j]).sum()))

@@ -7,7 +7,7 @@
 //! iterated again: the implicit function theorem gives the derivatives of their unknowns.
 
 use crate::ir::expr::{Binary, Unary};
-use crate::ir::program::{CallSite, Instr, Op, Slot};
+use crate::ir::program::{CallSite, Instr, Op, Slot, Tape};
 use crate::numeric::linear::DenseLu;
 use crate::symbolic::partial;
 
@@ -32,6 +32,8 @@ pub struct Tangents {
     frames: Frames,
     /// For each direction, whether it has reached a function whose derivatives lie outside of the program.
     hidden: Vec<bool>,
+    /// The instructions of a tape that are propagated, by its number, where those are not all.
+    slices: Vec<(u32, Vec<Instr>)>,
 }
 
 impl Tangents {
@@ -39,7 +41,13 @@ impl Tangents {
     pub fn new(slots: usize, directions: usize) -> Self {
         let width = directions.div_ceil(LANES) * LANES;
         let (values, frames) = (vec![0.0; slots * width], Frames::default());
-        Tangents { directions, width, values, frames, hidden: vec![false; directions] }
+        let (hidden, slices) = (vec![false; directions], Vec::new());
+        Tangents { directions, width, values, frames, hidden, slices }
+    }
+
+    /// From now on propagates only these instructions of a tape, in [`Tangents::propagate_tape`].
+    pub fn restrict(&mut self, tape: &Tape, code: Vec<Instr>) {
+        self.slices.extend(tape.number.map(|number| (number, code)));
     }
 
     /// Number of directions.
@@ -62,32 +70,6 @@ impl Tangents {
     pub fn of_mut(&mut self, slot: Slot) -> &mut [f64] {
         let start = slot as usize * self.width;
         &mut self.values[start..start + self.directions]
-    }
-
-    /// Adds to each derivative of every slot a multiple of its derivative in direction `along`, one
-    /// multiple for each direction.
-    pub fn shift_along(&mut self, along: usize, multiples: &[f64]) {
-        for cell in self.values.chunks_exact_mut(self.width) {
-            let rate = cell[along];
-            if rate != 0.0 {
-                for (d, m) in cell.iter_mut().zip(multiples) {
-                    *d += rate * m;
-                }
-            }
-        }
-    }
-
-    /// Copies the derivatives from tangents of the same size.
-    pub fn copy_from(&mut self, other: &Tangents) {
-        self.hidden.copy_from_slice(&other.hidden);
-        self.values.copy_from_slice(&other.values);
-    }
-
-    /// A copy that can be restored.
-    pub fn snapshot(&self) -> Tangents {
-        let frames = Frames::default();
-        let (values, hidden) = (self.values.clone(), self.hidden.clone());
-        Tangents { directions: self.directions, width: self.width, values, frames, hidden }
     }
 
     /// For each direction, whether derivatives in it are not known: it has reached a function that hides them.
@@ -116,7 +98,16 @@ impl Tangents {
         self.values[start..start + self.width].fill(0.0);
     }
 
-    /// Propagates derivatives along a tape that has just been executed.
+    /// Propagates derivatives along a tape of the program that has just been executed, or along what is needed of it.
+    pub fn propagate_tape(&mut self, machine: &mut Machine<'_>, tape: &Tape) -> Result<(), Fault> {
+        let slices = std::mem::take(&mut self.slices);
+        let slice = slices.iter().find(|(number, _)| tape.number == Some(*number));
+        let outcome = self.propagate(machine, slice.map_or(&tape[..], |(_, code)| code));
+        self.slices = slices;
+        outcome
+    }
+
+    /// Propagates derivatives along instructions that have just been executed.
     pub fn propagate(&mut self, machine: &mut Machine<'_>, tape: &[Instr]) -> Result<(), Fault> {
         for i in tape {
             match i.op {

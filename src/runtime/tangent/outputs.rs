@@ -1,4 +1,4 @@
-//! Slices of tapes: the instructions that given slots depend on.
+//! Slices of tapes: the instructions that given slots depend on, and what a tape reads and writes.
 
 use super::forcing::{mark_accesses, operands};
 use crate::ir::program::{Instr, Op, Program, Slot};
@@ -11,7 +11,7 @@ pub fn needed(program: &Program, tapes: &[&[Instr]], wanted: &[Slot]) -> Vec<Ins
     wanted.iter().for_each(|slot| open[*slot as usize] = true);
     let mut kept = Vec::new();
     for i in tapes.iter().rev().flat_map(|tape| tape.iter().rev()) {
-        if matches!(i.op, Op::Solve | Op::Differentiate | Op::Iterate | Op::Call) {
+        if is_composite(i) {
             let (mut writes, mut reads) = (vec![false; slots], vec![false; slots]);
             mark_accesses(program, std::slice::from_ref(i), &mut writes, &mut reads);
             if (0..slots).any(|c| open[c] && writes[c]) {
@@ -27,4 +27,38 @@ pub fn needed(program: &Program, tapes: &[&[Instr]], wanted: &[Slot]) -> Vec<Ins
     }
     kept.reverse();
     kept
+}
+
+/// For each slot, whether derivatives at `tapes`, each on its own, may depend on its derivatives from before.
+pub fn read_first(program: &Program, tapes: &[&[Instr]]) -> Vec<bool> {
+    let slots = program.image.len();
+    let mut all = vec![false; slots];
+    for tape in tapes {
+        let mut done = vec![false; slots];
+        for i in tape.iter() {
+            if is_composite(i) {
+                let mut reads = vec![false; slots];
+                mark_accesses(program, std::slice::from_ref(i), &mut done, &mut reads);
+                (0..slots).for_each(|c| all[c] |= reads[c]);
+                continue;
+            }
+            for slot in operands(i).into_iter().flatten() {
+                all[slot as usize] |= !done[slot as usize];
+            }
+            done[i.dst as usize] = true;
+        }
+    }
+    all
+}
+
+/// The slots that a tape writes, ascending.
+pub fn written(program: &Program, tape: &[Instr]) -> Vec<Slot> {
+    let slots = program.image.len();
+    let (mut writes, mut reads) = (vec![false; slots], vec![false; slots]);
+    mark_accesses(program, tape, &mut writes, &mut reads);
+    (0..slots as Slot).filter(|c| writes[*c as usize]).collect()
+}
+
+fn is_composite(i: &Instr) -> bool {
+    matches!(i.op, Op::Solve | Op::Differentiate | Op::Iterate | Op::Call)
 }

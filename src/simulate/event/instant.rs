@@ -107,7 +107,7 @@ impl Simulation<'_, '_> {
             self.take_row(t)?;
             self.evaluate_sensitivities(t)?;
             triggers.extend(self.locator.switched(&self.system.machine));
-            let derivatives = self.arrive(t, cause);
+            self.arrive(t, cause);
             ticked |= self.clocks.raise(&mut self.system.machine, t);
             let machine = &mut self.system.machine;
             if machine.delays.advance_past(t, &machine.memory) {
@@ -128,7 +128,7 @@ impl Simulation<'_, '_> {
                 Err(EventError::NotConverged(..)) if may_shift => {
                     self.system.machine.restore_from(&before);
                     if let Some(s) = &mut self.sensitivity {
-                        s.restore(derivatives.as_ref());
+                        s.restore();
                     }
                 }
                 // The event sequence may round an operand to the other side: retry slightly later.

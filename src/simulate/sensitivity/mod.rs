@@ -13,6 +13,8 @@
 //! time event shifts with the parameters that determine it. During sliding the equations of
 //! [`sliding`] apply.
 
+mod at_events;
+mod forcing;
 pub mod sliding;
 
 use crate::base::diag::Diagnostic;
@@ -23,11 +25,13 @@ use crate::integrate::system::{EvalError, System};
 use crate::integrate::variational::Variational;
 use crate::ir::expr::VarId;
 use crate::ir::program::{Instr, Program, RelationTrigger, Slot};
+use crate::numeric::pattern::Pattern;
 use crate::runtime::machine::{Fault, Machine};
 use crate::runtime::tangent::Tangents;
-use crate::runtime::tangent::forcing::Forcing;
 use crate::runtime::tangent::outputs::needed;
 
+use self::at_events::AtEvents;
+use self::forcing::InputDerivatives;
 use self::sliding::{Surface, SurfaceEquations};
 use super::cause::RunCause;
 use super::event::instant::Cause;
@@ -64,11 +68,10 @@ pub struct Sensitivity {
     variation: Variation,
     linearization: Linearization,
     /// Derivatives of the right side with respect to the inputs at constant states.
-    forcing: Box<Forcing>,
-    /// The tangents of the memory have changed since `forcing` was prepared.
-    is_stale: bool,
+    forcing: InputDerivatives,
     /// The instructions that the recorded variables depend on.
     outputs: Vec<Instr>,
+    at_events: AtEvents,
     /// A panel of derivatives, with room for one more component during sliding.
     s: Vec<f64>,
     /// Shift of the instant of the current event with each input.
@@ -88,8 +91,7 @@ struct Linearization {
     jacobian: [Vec<f64>; 3],
     /// `df/dp`, as panels with the columns of the variation.
     forcing: [Vec<f64>; 3],
-    starts: Vec<usize>,
-    rows: Vec<usize>,
+    pattern: Pattern,
 }
 
 /// Sets every input explicitly, so that it can be differentiated; `None` if one is not an input of
@@ -139,15 +141,13 @@ impl Sensitivity {
         let n = system.dim();
         let pattern = system.pattern()?;
         let entries = || std::array::from_fn(|_| vec![0.0; pattern.entries()]);
-        let rows = (0..n).flat_map(|j| pattern.column(j).iter().copied()).collect();
-        let variation = Variation::new(n, count);
+        let variation = Variation::with_pattern(pattern, count);
         let width = variation.width();
         let linearization = Linearization {
             width,
             jacobian: entries(),
             forcing: std::array::from_fn(|_| vec![0.0; n * width]),
-            starts: pattern.column_starts().to_vec(),
-            rows,
+            pattern: pattern.clone(),
         };
         let recorded: Vec<Slot> = program.recorded.iter().map(|v| program.slot(*v)).collect();
         let outputs = needed(
@@ -155,14 +155,15 @@ impl Sensitivity {
             &[&program.tapes.rhs, &program.tapes.roots, &program.tapes.outputs],
             &recorded,
         );
+        let at_events = AtEvents::new(program, &recorded, &mut tangents);
         Some(Sensitivity {
             count,
             tangents: Some(Box::new(tangents)),
             variation,
             linearization,
-            forcing: Box::new(Forcing::new(program, count)),
-            is_stale: true,
+            forcing: InputDerivatives::new(program, inputs),
             outputs,
+            at_events,
             s: vec![0.0; (n + 1) * width],
             shift: vec![0.0; count + 1],
             slopes: vec![0.0; recorded.len() * count],
@@ -175,7 +176,7 @@ impl Sensitivity {
     /// Lets the machine propagate derivatives from now on.
     pub fn attach(&mut self, machine: &mut Machine<'_>) {
         machine.tangents = self.tangents.take();
-        self.is_stale = true;
+        self.forcing.forget();
     }
 
     /// Reverts [`Sensitivity::attach`].
@@ -183,16 +184,18 @@ impl Sensitivity {
         self.tangents = machine.tangents.take().or(self.tangents.take());
     }
 
-    /// A copy of all derivatives that can be restored.
-    pub fn snapshot(&self) -> Option<Tangents> {
-        self.tangents.as_ref().map(|t| t.snapshot())
+    /// Remembers the derivatives that an event iteration changes.
+    fn keep(&mut self) {
+        if let Some(tangents) = &self.tangents {
+            self.at_events.keep(tangents);
+        }
     }
 
-    /// Restores a copy.
-    pub fn restore(&mut self, snapshot: Option<&Tangents>) {
-        if let (Some(tangents), Some(snapshot)) = (&mut self.tangents, snapshot) {
-            tangents.copy_from(snapshot);
-            self.is_stale = true;
+    /// Restores them.
+    pub fn restore(&mut self) {
+        if let Some(tangents) = &mut self.tangents {
+            self.at_events.restore(tangents);
+            self.forcing.forget();
         }
     }
 
@@ -206,7 +209,7 @@ impl Sensitivity {
     /// program.
     pub fn hidden(&self) -> Vec<usize> {
         let own = self.tangents.as_ref().map_or(&[][..], |t| t.hidden());
-        let is_hidden = |k: &usize| own.get(*k) == Some(&true) || self.forcing.hidden()[*k];
+        let is_hidden = |k: &usize| own.get(*k) == Some(&true) || self.forcing.hides(*k);
         (0..self.count).filter(is_hidden).collect()
     }
 
@@ -224,16 +227,14 @@ impl Sensitivity {
             self.tangents = equations.tangents.take();
             return outcome;
         }
-        if std::mem::take(&mut self.is_stale) {
-            self.forcing.prepare(system.machine.program, &tangents);
-        }
+        let (forcing, memory) = (&mut self.forcing, &mut self.linearization);
+        let mut equations = TrajectoryEquations { system, forcing, memory, tangents: &tangents };
+        let outcome = stepper.advance_variation(&mut equations, &mut self.variation);
         self.tangents = Some(tangents);
-        let (forcing, memory) = (&mut *self.forcing, &mut self.linearization);
-        let mut equations = TrajectoryEquations { system, forcing, memory };
-        stepper.advance_variation(&mut equations, &mut self.variation)
+        outcome
     }
 
-    /// Computes the derivatives of all slots at `t` within the last step, where all variables have
+    /// Computes the derivatives that events need at `t` within the last step, where all variables have
     /// been evaluated.
     pub fn evaluate(&mut self, machine: &mut Machine<'_>, t: f64) -> Result<(), Fault> {
         let program = machine.program;
@@ -252,9 +253,7 @@ impl Sensitivity {
         machine.input_signals.rates(&machine.memory, |slot, rate| {
             tangents.of_mut(slot)[self.count] = rate;
         });
-        for tape in [&program.tapes.rhs, &program.tapes.roots, &program.tapes.outputs] {
-            tangents.propagate(machine, tape)?;
-        }
+        tangents.propagate(machine, &self.at_events.arriving)?;
         self.read_slopes();
         Ok(())
     }
@@ -304,7 +303,7 @@ impl Sensitivity {
                 *shift = if moved.is_finite() { moved } else { 0.0 };
             }
         }
-        tangents.shift_along(self.count, &self.shift);
+        self.at_events.shift(program, tangents, &self.shift[..self.count]);
     }
 
     /// Shifts all derivatives to the instant `t` of a clock or a comparison with time.
@@ -326,7 +325,7 @@ impl Sensitivity {
                 *shift = start[j] + tick * interval[j];
             }
         }
-        tangents.shift_along(self.count, &self.shift);
+        self.at_events.shift(program, tangents, &self.shift[..self.count]);
     }
 
     /// Departs from the event at `t`; the derivatives of the states after it are in the memory.
@@ -477,12 +476,11 @@ impl Simulation<'_, '_> {
         evaluated.map_err(|f| of_fault(&self.system.machine, f, t))
     }
 
-    /// Shifts the sensitivities to an event and lets the machine propagate them; returns a copy
-    /// from before.
-    pub(super) fn arrive(&mut self, t: f64, cause: Cause) -> Option<Tangents> {
-        let s = self.sensitivity.as_mut()?;
+    /// Shifts the sensitivities to an event and lets the machine propagate them.
+    pub(super) fn arrive(&mut self, t: f64, cause: Cause) {
+        let Some(s) = &mut self.sensitivity else { return };
         let machine = &mut self.system.machine;
-        let before = s.snapshot();
+        s.keep();
         match cause {
             Cause::State => {
                 let relation = self.locator.switched(machine).next();
@@ -491,7 +489,6 @@ impl Simulation<'_, '_> {
             Cause::Time => s.arrive_by_clock(machine, &self.clocks, t),
         }
         s.attach(machine);
-        before
     }
 
     /// Departs from an event with the sensitivities of the states after it.
@@ -516,36 +513,37 @@ fn sensitivity_failure(why: NoVariation, t: f64) -> Failure {
 /// The variational equations along a run.
 struct TrajectoryEquations<'a, 'p> {
     system: &'a mut HybridSystem<'p>,
-    forcing: &'a mut Forcing,
+    forcing: &'a mut InputDerivatives,
     memory: &'a mut Linearization,
+    /// Those of the memory.
+    tangents: &'a Tangents,
 }
 
 impl Variational for TrajectoryEquations<'_, '_> {
     fn linearise(&mut self, stage: usize, t: f64, y: &[f64]) -> Result<(), EvalError> {
-        let TrajectoryEquations { system, forcing, memory } = self;
-        system.jacobian_entries(t, y, &mut memory.jacobian[stage])?;
+        let TrajectoryEquations { system, forcing, memory, tangents } = self;
+        let evaluated = system.linearise(t, y, &mut memory.jacobian[stage])?;
         let machine = &mut system.machine;
         let program = machine.program;
-        machine.set_point(t, &y[..program.order()]);
-        let mut outcome = machine.run(&program.tapes.rhs);
-        let beyond = outcome.is_err_and(is_domain_fault);
-        machine.clamp_domain = beyond;
-        if beyond {
+        let mut outcome = Ok(());
+        if !evaluated {
+            machine.set_point(t, &y[..program.order()]);
             outcome = machine.run(&program.tapes.rhs);
+            machine.clamp_domain = outcome.is_err_and(is_domain_fault);
+            if machine.clamp_domain {
+                outcome = machine.run(&program.tapes.rhs);
+            }
         }
-        let outcome = outcome.and_then(|()| forcing.propagate(machine));
+        let (panel, width) = (&mut memory.forcing[stage], memory.width);
+        let outcome =
+            outcome.and_then(|()| forcing.write(machine, tangents, evaluated, panel, width));
         machine.clamp_domain = false;
-        outcome.map_err(|_| EvalError::Recoverable(0))?;
-        let rows = memory.forcing[stage].chunks_exact_mut(memory.width);
-        for (row, slot) in rows.zip(&program.layout.derivatives) {
-            let derivatives = forcing.of(*slot);
-            row[..derivatives.len()].copy_from_slice(derivatives);
-        }
-        Ok(())
+        outcome.map_err(|_| EvalError::Recoverable(0))
     }
 
     fn slopes(&self, stage: usize, width: usize, s: &[f64], out: &mut [f64]) {
-        let Linearization { jacobian, forcing, starts, rows, .. } = &*self.memory;
+        let Linearization { jacobian, forcing, pattern, .. } = &*self.memory;
+        let (starts, rows) = (pattern.column_starts(), pattern.row_indices());
         out.copy_from_slice(&forcing[stage]);
         for (j, s) in s.chunks_exact(width).enumerate() {
             for k in starts[j]..starts[j + 1] {
@@ -556,5 +554,9 @@ impl Variational for TrajectoryEquations<'_, '_> {
                 }
             }
         }
+    }
+
+    fn jacobian(&self, stage: usize) -> Option<&[f64]> {
+        Some(&self.memory.jacobian[stage])
     }
 }
