@@ -39,7 +39,9 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
         for _ in 0..BATCHES_OF_PROPOSALS {
             let mut proposals = promising(search, &diagnosis.after, &left);
             proposals.retain(|p| p.iter().all(|s| s.gain > notable));
-            proposals = with_preliminary_fits(search, &diagnosis.after, proposals, &left);
+            let is_supported = |s: &&Scored| s.bic_gain(&diagnosis.after) > policy.evidence;
+            let others = left.iter().filter(is_supported).map(|s| vec![s.clone()]);
+            proposals = with_preliminary_fits(search, &diagnosis.after, proposals, others);
             if proposals.is_empty() || !search.may_continue() {
                 break;
             }

@@ -8,6 +8,7 @@ use crate::base::index::FastSet;
 use super::candidate_fit::CandidateFits;
 use super::hypothesis::Hypothesis;
 use super::linearise::{Linearisation, Linearised};
+use super::preliminary_fit::with_preliminary_fits;
 use super::rank::{Candidate, Scored};
 use super::result::Diagnosis;
 use super::revise::accept_first_better;
@@ -29,7 +30,12 @@ pub fn pairwise_selection_from(
     from: &Hypothesis,
     ranking: &[Scored],
 ) {
-    let proposals = pairs(search, from, ranking);
+    let is_large = from.chi2_train() > search.policy().large_effect_above;
+    let many = pairs(search, from, ranking, if is_large { MANY } else { 1 });
+    let most = search.generosity() * search.policy().fitted_pairs;
+    let best = diverse(&many, most, search.policy().pairs_per_member);
+    let mut proposals = with_preliminary_fits(search, from, best, many.into_iter());
+    proposals.truncate(most);
     let hypotheses =
         CandidateFits { search, from, proposals: &proposals, depth: 0, give_up_above: None }.run();
     if diagnosis.pairs.is_empty() {
@@ -55,8 +61,30 @@ struct Pair {
     bic_gain: f64,
 }
 
-/// The most promising pairs of effects, best first. `ranking`: the scores of single effects.
-pub fn pairs(search: &Search<'_>, hypothesis: &Hypothesis, ranking: &[Scored]) -> Vec<Vec<Scored>> {
+/// The first pairs, of which so many share an effect at a place.
+fn diverse(pairs: &[Vec<Scored>], most: usize, per_member: usize) -> Vec<Vec<Scored>> {
+    let mut out: Vec<Vec<Scored>> = Vec::new();
+    for pair in pairs {
+        let has = |p: &&Vec<Scored>, s: &Scored| p.iter().any(|own| own.is_same(s));
+        let is_used_up = |s: &Scored| out.iter().filter(|p| has(p, s)).count() >= per_member;
+        if out.len() < most && !pair.iter().any(is_used_up) {
+            out.push(pair.clone());
+        }
+    }
+    out
+}
+
+/// Times as many pairs for preliminary fits as are fitted.
+const MANY: usize = 4;
+
+/// The most promising pairs of effects, best first, so many times as the policy wants fitted. `ranking`: the scores of single
+/// effects.
+pub fn pairs(
+    search: &Search<'_>,
+    hypothesis: &Hypothesis,
+    ranking: &[Scored],
+    times: usize,
+) -> Vec<Vec<Scored>> {
     let (study, policy) = (search.study, search.policy());
     let (candidates, members) = members(study, ranking);
     search.note(&format!("scoring pairs of {} effects", members.len()));
@@ -73,8 +101,8 @@ pub fn pairs(search: &Search<'_>, hypothesis: &Hypothesis, ranking: &[Scored]) -
     for Pair { members: [i, j], amplitudes, bic_gain } in all {
         let (first, second) = (&members[i], &members[j]);
         let numbers = [first.number, second.number];
-        let is_used_up = |n: &usize| used[*n] == policy.pairs_per_member;
-        let most = search.generosity() * policy.fitted_pairs;
+        let is_used_up = |n: &usize| used[*n] == times * policy.pairs_per_member;
+        let most = times * search.generosity() * policy.fitted_pairs;
         let is_of_instrument =
             |m: &Member<'_>| study.is_of_instrument(m.scored.effect, &m.scored.place);
         let has_instrument = is_of_instrument(first) || is_of_instrument(second);

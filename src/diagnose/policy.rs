@@ -121,8 +121,7 @@ pub struct SearchPolicy {
     pub leading_share: f64,
     /// Excess of the reduced sum that such a fit may leave in any case. Default 0.3.
     pub leading_excess: f64,
-    /// A named effect whose preliminary fit leaves this many times as much as the best one is no longer proposed. And beside
-    /// a fit that leads, a short fit of a curve or of a parameter that varies whose sum of squares still exceeds its own by this factor after a few steps is given
+    /// Beside such a fit, a short fit of a curve or of a parameter that varies whose sum of squares still exceeds its own by this factor after a few steps is given
     /// up. Default 4.
     pub trailing_factor: f64,
     /// Reduced sum without effects above which preliminary and short fits begin at the plan's values as well: a large effect

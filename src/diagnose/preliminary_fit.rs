@@ -19,54 +19,63 @@ use super::rank::Scored;
 use super::search::Search;
 use super::study::Study;
 
-/// Puts first those proposals, or named effects that promise less, of which a preliminary fit leaves little, best first.
-/// Named effects whose preliminary fit leaves much more than the best are no longer proposed.
+/// Puts first those proposals, or others of named effects that promise less, of which a preliminary fit leaves little, best
+/// first.
 pub fn with_preliminary_fits(
     search: &Search<'_>,
     from: &Hypothesis,
     proposals: Vec<Vec<Scored>>,
-    ranking: &[Scored],
+    others: impl Iterator<Item = Vec<Scored>>,
 ) -> Vec<Vec<Scored>> {
     let policy = search.policy();
     if from.chi2_train() < policy.large_effect_above || !search.may_continue() {
         return proposals;
     }
-    let mut candidates: Vec<Scored> = Vec::new();
-    let promising = ranking.iter().filter(|s| s.bic_gain(from) > policy.evidence);
-    for s in proposals.iter().map(|p| &p[0]).chain(promising) {
-        let is_known = candidates.iter().any(|known| known.is_same(s) || known.promises_as(s));
-        let is_wanted = search.study.is_named(s.effect) && !is_known;
-        if is_wanted && candidates.len() < policy.preliminary_fits {
-            candidates.push(s.clone());
+    let mut candidates: Vec<Vec<Scored>> = Vec::new();
+    for p in proposals.iter().cloned().chain(others) {
+        let is_known = candidates.iter().any(|known| is_same(known, &p) || promises_as(known, &p));
+        let is_named = p.iter().all(|s| search.study.is_named(s.effect));
+        if is_named && !is_known && candidates.len() < policy.preliminary_fits {
+            candidates.push(p);
         }
     }
     let mut fits = PreliminaryFits::new(search, from, &candidates);
     fits.advance(search, candidates.len());
     fits.advance(search, candidates.len() / HALVING);
     let left = fits.shares_left();
+    // Those that leave about the same, or nothing but noise, stay in the order of their scores.
+    let noise = 1.0 / from.chi2_train();
+    let size = |k: usize| (left[k].max(noise) / noise).ln() / EQUAL.ln();
     let mut order: Vec<usize> = (0..candidates.len()).collect();
-    order.sort_by(|a, b| left[*a].total_cmp(&left[*b]));
-    let best = order.first().map_or(1.0, |k| left[*k]);
-    let is_behind = |s: &Scored| {
-        let own = candidates.iter().position(|c| c.is_same(s));
-        own.is_some_and(|k| left[k] > policy.trailing_factor * best)
-    };
+    order.sort_by(|a, b| size(*a).floor().total_cmp(&size(*b).floor()));
     let mut out: Vec<Vec<Scored>> = Vec::new();
     for k in order.into_iter().take(policy.preferred_preliminary_fits) {
-        let label = search.study.label(candidates[k].effect, &candidates[k].place);
-        search.note(&format!("preliminary fit of {label}: {:.2} % left", 100.0 * left[k]));
+        let label = |s: &Scored| search.study.label(s.effect, &s.place);
+        let labels: Vec<String> = candidates[k].iter().map(label).collect();
+        let (labels, share) = (labels.join(" and "), 100.0 * left[k]);
+        search.note(&format!("preliminary fit of {labels}: {share:.2} % left"));
         if left[k] < policy.most_share {
-            out.push(vec![candidates[k].clone()]);
+            out.push(candidates[k].clone());
         }
     }
-    let preferred = out.len();
-    let is_new = |p: &Vec<Scored>| !out[..preferred].iter().any(|known| known[0].is_same(&p[0]));
-    let others: Vec<Vec<Scored>> =
-        proposals.into_iter().filter(|p| is_new(p) && !is_behind(&p[0])).collect();
-    out.extend(others);
+    let is_preferred = |p: &Vec<Scored>| out.iter().any(|known| is_same(known, p));
+    let rest: Vec<Vec<Scored>> = proposals.into_iter().filter(|p| !is_preferred(p)).collect();
+    out.extend(rest);
     out
 }
 
+/// True for the same effects at the same places.
+fn is_same(a: &[Scored], b: &[Scored]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.is_same(b))
+}
+
+/// True for a single effect at another place where it cannot be told apart.
+fn promises_as(a: &[Scored], b: &[Scored]) -> bool {
+    matches!((a, b), ([a], [b]) if a.promises_as(b))
+}
+
+/// Candidates of which one leaves at most this many times as much as another leave about the same.
+const EQUAL: f64 = 2.0;
 /// Of so many candidates, one is continued after the first steps.
 const HALVING: usize = 4;
 
@@ -87,12 +96,12 @@ struct PreliminaryFit {
 }
 
 impl<'a> PreliminaryFits<'a> {
-    fn new(search: &Search<'a>, from: &'a Hypothesis, candidates: &[Scored]) -> Self {
+    fn new(search: &Search<'a>, from: &'a Hypothesis, candidates: &[Vec<Scored>]) -> Self {
         search.note(&format!("preliminary fits of {} candidates", candidates.len()));
         let study = search.study;
         let fits = CandidateFits { search, from, proposals: &[], depth: 0, give_up_above: None };
-        let one = |s: &Scored| {
-            let (effects, plan) = attach(study, from, std::slice::from_ref(s), 0);
+        let one = |proposal: &Vec<Scored>| {
+            let (effects, plan) = attach(study, from, proposal, 0);
             let planned = from.effects.is_empty().then(|| fits.with_planned_starts(&plan));
             let starts = std::iter::once(plan).chain(planned).collect();
             PreliminaryFit { effects, starts, left: f64::INFINITY }

@@ -288,7 +288,7 @@ fn simpler(search: &Search<'_>, from: &Hypothesis, before: &Hypothesis) -> Optio
     // The characteristic of a sensor may be the sum of two named ones.
     let is_sum = groups(&from.effects).count() > 1 || ends_with_sensor(from);
     match one {
-        None if is_sum && can_shrink => fitted(&pairs(search, &start, &ranking)),
+        None if is_sum && can_shrink => fitted(&pairs(search, &start, &ranking, 1)),
         one => one,
     }
 }
