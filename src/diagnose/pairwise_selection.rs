@@ -90,7 +90,9 @@ pub fn pairs(
     search.note(&format!("scoring pairs of {} effects", members.len()));
     let linearisation = Linearisation::new(study, hypothesis, &candidates, policy.score_instants);
     let all: Vec<usize> = (0..candidates.len()).collect();
-    let Some(linearised) = linearisation.with(&all) else { return Vec::new() };
+    let together =
+        linearisation.with(&all).or_else(|| linearisation.with(&feasible(&linearisation, &all)));
+    let Some(linearised) = together else { return Vec::new() };
     let mut all = scored(search, hypothesis, &members, &linearised.projected());
     all.sort_by(|a, b| b.bic_gain.total_cmp(&a.bic_gain));
     let mut used = vec![0; ranking.len()];
@@ -134,6 +136,20 @@ pub fn pairs(
         best.push(both.into());
     }
     best
+}
+
+/// The candidates that can be simulated: each half of a batch that cannot be is tried by itself.
+fn feasible(linearisation: &Linearisation<'_>, batch: &[usize]) -> Vec<usize> {
+    if linearisation.with(batch).is_some() {
+        return batch.to_vec();
+    }
+    match batch.len() {
+        0 | 1 => Vec::new(),
+        count => {
+            let (left, right) = batch.split_at(count / 2);
+            [left, right].into_iter().flat_map(|half| feasible(linearisation, half)).collect()
+        }
+    }
 }
 
 impl Member<'_> {
@@ -183,7 +199,8 @@ fn members<'a>(study: &Study, ranking: &'a [Scored]) -> (Vec<Candidate>, Vec<Mem
     let mut members = Vec::new();
     for (number, best) in ranking.iter().enumerate() {
         let effect = &study.effects[best.effect];
-        if study.is_curve(best.effect) || effect.varies.is_some() {
+        // Nor does another law that the model offers have an amplitude.
+        if study.is_curve(best.effect) || effect.varies.is_some() || effect.choice.is_some() {
             continue;
         }
         for scored in std::iter::once(best).chain(&best.others) {
