@@ -26,6 +26,11 @@ pub fn revise(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         let ranking = rank(search, &stripped);
         pairwise_selection_from(search, diagnosis, &stripped, &ranking);
     }
+    swap_effects(search, diagnosis);
+}
+
+/// Swaps each effect for another beside the rest while that helps.
+pub fn swap_effects(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     for _ in 0..search.policy().swap_rounds {
         let last = diagnosis.after.bic();
         swap_step(search, diagnosis);

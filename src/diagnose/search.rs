@@ -25,7 +25,7 @@ use super::place::Place;
 use super::policy::SearchPolicy;
 use super::rank::Scored;
 use super::result::Diagnosis;
-use super::revise::{compare_alternatives, revise, simplify};
+use super::revise::{compare_alternatives, revise, simplify, swap_effects};
 use super::study::{DiagnosisError, Study};
 
 /// A search: its study, its observer and the steps that it has spent.
@@ -206,6 +206,8 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     let leads = search.leads(&diagnosis.before, &diagnosis.after);
     if leads {
         forward_selection(search, &mut diagnosis, 1..usual);
+        // Two that leave little are close to the truth, from where each of them is scored better than pairs are from afar.
+        swap_effects(search, &mut diagnosis);
     }
     let left = diagnosis.after.train.total();
     let is_dominated = search.dominates(&diagnosis);
