@@ -85,10 +85,15 @@ impl Polynomial {
 
     /// Writes the value at `t` to `out`; at the end it is the solution to the bit.
     pub fn evaluate(&self, t: f64, out: &mut [f64]) {
+        self.evaluate_from(0, t, out);
+    }
+
+    /// As [`Polynomial::evaluate`], for as many components as `out` has, from `first` on.
+    pub fn evaluate_from(&self, first: usize, t: f64, out: &mut [f64]) {
         let s = (t - self.end) / self.h;
-        let n = out.len();
-        let [c0, c1, c2, c3] = self.c.each_ref().map(|c| &c[..n]);
-        let fifth = &self.fifth[..n];
+        let range = first..first + out.len();
+        let [c0, c1, c2, c3] = self.c.each_ref().map(|c| &c[range.clone()]);
+        let fifth = &self.fifth[range];
         for (i, out) in out.iter_mut().enumerate() {
             let top = c3[i] + (s + 1.0) * fifth[i];
             *out = c0[i] + s * (c1[i] + (s - (C2 - 1.0)) * (c2[i] + (s - (C1 - 1.0)) * top));

@@ -151,8 +151,9 @@ impl Samples {
         let (a, ga) = self.at(k, indicator);
         let (b, gb) = self.at(k + 1, indicator);
         // Most indicators do not turn: no slopes are needed to see that.
-        let stays = k > 0 && !(ga < self.at(k - 1, indicator).1);
-        if stays || (k + 2 < self.times.len() && !(self.at(k + 2, indicator).1 > gb)) {
+        let falls = k == 0 || ga < self.at(k - 1, indicator).1;
+        let rises = k + 2 >= self.times.len() || self.at(k + 2, indicator).1 > gb;
+        if !falls || !rises {
             return false;
         }
         let slope = |from: (f64, f64), to: (f64, f64)| (to.1 - from.1) / (to.0 - from.0);
