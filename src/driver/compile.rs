@@ -301,7 +301,8 @@ impl Session {
         self.compile_differentiated(flat, form, &[])
     }
 
-    fn compile_differentiated(
+    /// The program of a flat model, in this form, with code for runs that are differentiated by these parameters.
+    pub(super) fn compile_differentiated(
         &mut self,
         mut flat: FlatModel,
         form: SystemForm,

@@ -65,7 +65,8 @@ impl Session {
         self.compare_units(&flat, request);
         extended::check(&flat, &read, &mut self.problems);
         self.checked(CompileError::Request)?;
-        let mut program = self.compile_flat(flat, request.form)?;
+        let mut program =
+            self.compile_differentiated(flat, request.form, &request.differentiated)?;
         let plan = Plan::new(read, &mut program, &mut self.problems);
         self.checked(CompileError::Request)?;
         plan.map(|plan| (program, plan)).ok_or(CompileError::Request)

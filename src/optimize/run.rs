@@ -246,6 +246,7 @@ fn compile(
         folders: plan.libraries.iter().chain(&project.libraries).cloned().collect(),
         readable: project.allow_read,
         settings: plan.fixed.clone(),
+        differentiated: plan.free.iter().flat_map(|f| f.targets.iter().cloned()).collect(),
         modelica_path: request.modelica_path.clone(),
         ..Compilation::new(Some(plan.model.clone()), plan.name.clone())
     };

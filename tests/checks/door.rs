@@ -75,6 +75,11 @@ impl Case {
         self.tolerance = Some(tolerance);
         self
     }
+    /// With code for derivatives by these parameters.
+    pub fn differentiated(mut self, by: &[&str]) -> Case {
+        self.request.differentiated = by.iter().map(|name| name.to_string()).collect();
+        self
+    }
     /// The compiled model; panics with what the compiler says about it.
     pub fn compile(&self) -> Compiled {
         let mut session = Session::default();

@@ -122,6 +122,42 @@ fn a_nonlinear_loop_and_a_function() {
     }
 }
 
+/// Two ways to the same derivatives: code for those of the right side by parameters, and their propagation along it.
+/// The runs themselves are the same to the bit.
+#[test]
+fn derivatives_by_code_agree_with_propagated_ones() {
+    let suite = |name: &str| Case::text(&suite_model(&format!("sensitivity/{name}")));
+    let clocks = ["T", "first", "period", "a"];
+    let valve = ["F_Coulomb", "k_S", "tau", "n", "f_exp", "F_ce", "w", "t_delay", "tau_pilot", "m"];
+    let cases: [(&dyn Fn() -> Case, &[&str]); 6] = [
+        (&|| suite("closed_forms/decay").stop(1.5), &["k", "start(x)"]),
+        (&|| suite("events/bouncing_ball").stop(1.0), &["h0", "e", "g"]),
+        (&|| suite("events/friction_stops_a_mass").stop(2.0), &["m", "F", "v0"]),
+        (&|| suite("events/switching_times_and_clocks").stop(1.6), &clocks),
+        (&|| suite("closed_forms/nonlinear_loop_and_function").stop(1.0), &["a", "start(x)"]),
+        (&|| Case::file("examples/valve52.mol"), &valve),
+    ];
+    for (case, inputs) in cases {
+        let coded = case().differentiated(inputs).compile();
+        let code = coded.program.forcing.as_ref().expect("code for derivatives");
+        assert_eq!(code.inputs.len(), inputs.iter().filter(|n| !n.starts_with("start")).count());
+        let (coded, propagated) =
+            (coded.differentiate(inputs), case().compile().differentiate(inputs));
+        assert_eq!(coded.trajectory.time, propagated.trajectory.time);
+        for column in propagated.trajectory.columns.iter().map(|c| c.name.as_str()) {
+            assert_eq!(coded.trajectory.of(column), propagated.trajectory.of(column), "{column}");
+            for (k, input) in inputs.iter().enumerate() {
+                let (found, expected) = (coded.by(k, column), propagated.by(k, column));
+                let size = expected.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+                for (found, expected) in found.iter().zip(&expected) {
+                    let error = (found - expected).abs();
+                    assert!(error <= 1e-8 * size, "d {column} by {input}: {found}, {expected}");
+                }
+            }
+        }
+    }
+}
+
 /// The valve, with all its seals, stops and locked phases, against central differences of runs.
 #[test]
 fn the_valve_by_eight_of_its_parameters() {

@@ -97,6 +97,16 @@ impl Elimination {
         system.jacobian_entries(t, y, &mut self.jacobian)
     }
 
+    /// Takes these entries as the Jacobian, in the order of the pattern; false, with nothing changed, if one is not
+    /// finite.
+    pub fn adopt(&mut self, entries: &[f64]) -> bool {
+        let is_fine = entries.iter().all(|x| x.is_finite());
+        if is_fine {
+            self.jacobian.copy_from_slice(entries);
+        }
+        is_fine
+    }
+
     /// The row of the first entry of the Jacobian that is not finite.
     pub fn first_non_finite(&self) -> Option<usize> {
         let at = self.jacobian.iter().position(|x| !x.is_finite())?;

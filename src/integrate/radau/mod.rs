@@ -39,6 +39,8 @@ const GROWTH: f64 = 8.0;
 const SHRINK: f64 = 0.2;
 /// Maximum reduction of a rejected first step, whose length was a guess.
 const SHRINK_FIRST: f64 = 0.01;
+/// Shortest first step after an event, relative to the one that the slope suggests, where steps before it were short.
+const LEAST_AFTER_EVENT: f64 = 0.05;
 /// Error of the cubic between its nodes, in units of the tolerance, above which the next step is
 /// shortened; the quartic of the dense output is more accurate.
 const BETWEEN_NODES: f64 = 10.0;
@@ -170,7 +172,15 @@ impl Radau {
         let h = self.polynomial.length();
         let (weights, rtol) = (&self.weights[..], self.options.rtol);
         let step = AcceptedStep { from, z: &self.stages.z, h, end, weights, rtol };
-        variation.advance(system, step, &mut self.matrix)
+        variation.advance(system, step, &mut self.matrix)?;
+        // The last stage is the point at which the next step needs its Jacobian.
+        if self.jacobian == JacobianAge::Outdated
+            && system.jacobian(2).is_some_and(|entries| self.matrix.adopt(entries))
+        {
+            self.decomposed = None;
+            self.jacobian = JacobianAge::Fresh;
+        }
+        Ok(())
     }
 
     /// The options.
@@ -458,6 +468,8 @@ impl Stepper for Radau {
         y: &[f64],
         jacobian: JacobianMemory,
     ) -> Result<(), Failure> {
+        let is_within_last_step = self.t_previous < t && t <= self.now.t;
+        let before = is_within_last_step.then_some(self.history.h);
         self.now.start(system, t, y, &mut self.stats)?;
         self.t_previous = t;
         self.polynomial.set_constant(t, y);
@@ -476,7 +488,9 @@ impl Stepper for Radau {
             None => {
                 let [trial, slope] = self.estimate.memory();
                 let (now, weights) = (&self.now, &self.weights[..]);
-                initial_step(system, now, weights, ORDER, trial, slope, &mut self.stats)
+                let guess =
+                    initial_step(system, now, weights, ORDER, trial, slope, &mut self.stats);
+                after_event(guess, before)
             }
         };
         self.history.h = first_step(&self.options, t, h);
@@ -506,6 +520,12 @@ impl Stepper for Radau {
     fn stats(&self) -> &Stats {
         &self.stats
     }
+}
+
+/// The first step after a restart for which the slope suggests `guess`; at an event within a step, `before` was wanted
+/// for the next one. Most events change little, and a guess that is longer is rejected.
+fn after_event(guess: f64, before: Option<f64>) -> f64 {
+    before.map_or(guess, |before| guess.min(before.max(LEAST_AFTER_EVENT * guess)))
 }
 
 /// The safety factor, smaller for more iterations (Hairer & Wanner II, sec. IV.8, step size

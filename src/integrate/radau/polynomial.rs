@@ -53,10 +53,13 @@ impl Polynomial {
         let product = node * (node - (C2 - 1.0)) * (node - (C1 - 1.0)) * (node + 1.0);
         self.end = end;
         self.h = h;
-        let [c0, c1, c2, c3] = &mut self.c;
+        let n = y.len();
+        let [c0, c1, c2, c3] = self.c.each_mut().map(|c| &mut c[..n]);
+        let fifth = &mut self.fifth[..n];
+        let [z1, z2, z3] = z.each_ref().map(|z| &z[..n]);
         c0.copy_from_slice(y);
-        for i in 0..y.len() {
-            let (z1, z2, z3) = (z[0][i], z[1][i], z[2][i]);
+        for i in 0..n {
+            let (z1, z2, z3) = (z1[i], z2[i], z3[i]);
             // From the end of the last step back to its second stage.
             let before = (C2 - 1.0) * c1[i];
             let last = (z2 - z3) / (C2 - 1.0);
@@ -65,7 +68,7 @@ impl Polynomial {
             c1[i] = last;
             c2[i] = (middle - last) / (C1 - 1.0);
             c3[i] = c2[i] - first;
-            self.fifth[i] = if continued {
+            fifth[i] = if continued {
                 let inner = c2[i] + (node - (C1 - 1.0)) * c3[i];
                 let cubic = z3 + node * (c1[i] + (node - (C2 - 1.0)) * inner);
                 (before - cubic) / product
@@ -82,10 +85,17 @@ impl Polynomial {
 
     /// Writes the value at `t` to `out`; at the end it is the solution to the bit.
     pub fn evaluate(&self, t: f64, out: &mut [f64]) {
+        self.evaluate_from(0, t, out);
+    }
+
+    /// As [`Polynomial::evaluate`], for as many components as `out` has, from `first` on.
+    pub fn evaluate_from(&self, first: usize, t: f64, out: &mut [f64]) {
         let s = (t - self.end) / self.h;
-        let [c0, c1, c2, c3] = &self.c;
+        let range = first..first + out.len();
+        let [c0, c1, c2, c3] = self.c.each_ref().map(|c| &c[range.clone()]);
+        let fifth = &self.fifth[range];
         for (i, out) in out.iter_mut().enumerate() {
-            let top = c3[i] + (s + 1.0) * self.fifth[i];
+            let top = c3[i] + (s + 1.0) * fifth[i];
             *out = c0[i] + s * (c1[i] + (s - (C2 - 1.0)) * (c2[i] + (s - (C1 - 1.0)) * top));
         }
     }
@@ -97,6 +107,8 @@ impl Polynomial {
         let [_, c1, c2, c3] = &self.c;
         for (z, c) in z.iter_mut().zip([C1, C2, 1.0]) {
             let s = c * ratio;
+            let n = z.len();
+            let [c1, c2, c3] = [&c1[..n], &c2[..n], &c3[..n]];
             for (i, z) in z.iter_mut().enumerate() {
                 *z = s * (c1[i] + (s - (C2 - 1.0)) * (c2[i] + (s - (C1 - 1.0)) * c3[i]));
             }

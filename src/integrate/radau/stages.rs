@@ -241,8 +241,8 @@ pub fn shift(h: f64) -> Shift {
 pub fn transform(z: &[Vec<f64>; 3], w: &mut [Vec<f64>; 3]) {
     let [z1, z2, z3] = z;
     for (w, t) in w.iter_mut().zip(&T_INVERSE) {
-        for (i, w) in w.iter_mut().enumerate() {
-            *w = t[0] * z1[i] + t[1] * z2[i] + t[2] * z3[i];
+        for (((w, a), b), c) in w.iter_mut().zip(z1).zip(z2).zip(z3) {
+            *w = t[0] * a + t[1] * b + t[2] * c;
         }
     }
 }
@@ -256,9 +256,11 @@ pub fn correct(
 ) {
     let [r1, r2, r3] = r;
     let [w1, w2, w3] = w;
-    for (i, mass) in matrix.mass().iter().enumerate() {
-        let w = [mass * w1[i], mass * w2[i], mass * w3[i]];
-        [r1[i], r2[i], r3[i]] = transformed_residual([r1[i], r2[i], r3[i]], w, shift);
+    let rows = r1.iter_mut().zip(r2.iter_mut()).zip(r3.iter_mut());
+    let increments = w1.iter().zip(w2).zip(w3);
+    for ((((a, b), c), ((x, y), z)), mass) in rows.zip(increments).zip(matrix.mass()) {
+        let w = [mass * x, mass * y, mass * z];
+        [*a, *b, *c] = transformed_residual([*a, *b, *c], w, shift);
     }
     matrix.solve(r1, r2, r3);
 }
@@ -284,10 +286,10 @@ pub fn advance(corrections: &[Vec<f64>; 3], w: &mut [Vec<f64>; 3], z: &mut [Vec<
     }
     let [w1, w2, w3] = w;
     let [z1, z2, z3] = z;
-    for i in 0..w1.len() {
-        let (a, b, c) = (w1[i], w2[i], w3[i]);
-        z1[i] = T[0][0] * a + T[0][1] * b + T[0][2] * c;
-        z2[i] = T[1][0] * a + T[1][1] * b + T[1][2] * c;
-        z3[i] = T[2][0] * a + b;
+    let increments = z1.iter_mut().zip(z2.iter_mut()).zip(z3.iter_mut());
+    for (((x, y), z), ((a, b), c)) in increments.zip(w1.iter().zip(w2.iter()).zip(w3.iter())) {
+        *x = T[0][0] * a + T[0][1] * b + T[0][2] * c;
+        *y = T[1][0] * a + T[1][1] * b + T[1][2] * c;
+        *z = T[2][0] * a + b;
     }
 }

@@ -163,6 +163,11 @@ impl Variation {
         self.polynomial.evaluate(t, out);
     }
 
+    /// Writes the derivatives of one component at `t` within the last step to `out`, with padding.
+    pub fn interpolate_component(&self, component: usize, t: f64, out: &mut [f64]) {
+        self.polynomial.evaluate_from(component * self.width, t, &mut out[..self.width]);
+    }
+
     /// Advances over an accepted step; `matrix` is decomposed for it.
     pub fn advance(
         &mut self,

@@ -112,20 +112,22 @@ impl Samples {
     /// them it may have turned as well.
     pub fn is_restless(&self, indicator: u32) -> bool {
         let value = |k: usize| self.values[k * self.width + indicator as usize];
-        let first = usize::from(self.has_predecessor);
+        let own = usize::from(self.has_predecessor)..self.times.len();
         let (mut turns, mut last_sign) = (0, 0.0);
-        let (mut least, mut greatest, mut size) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
-        for k in first..self.times.len() {
-            let g = value(k);
-            (least, greatest, size) = (least.min(g), greatest.max(g), size.max(g.abs()));
-            if k > first {
-                let change = g - value(k - 1);
-                turns += u32::from(change * last_sign < 0.0);
-                last_sign = if change == 0.0 { last_sign } else { change.signum() };
-            }
+        for k in own.clone().skip(1) {
+            let change = value(k) - value(k - 1);
+            turns += u32::from(change * last_sign < 0.0);
+            last_sign = if change == 0.0 { last_sign } else { change.signum() };
+        }
+        if turns <= 1 {
+            return false;
         }
         // Rounding errors turn as well.
-        turns > 1 && greatest - least > ROUNDING * size
+        let start = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+        let (least, greatest, size) = own.map(value).fold(start, |(least, greatest, size), g| {
+            (least.min(g), greatest.max(g), size.max(g.abs()))
+        });
+        greatest - least > ROUNDING * size
     }
 
     /// True if the samples of the step and `start`, its first, have a smaller range than `change`, which is more than
@@ -148,6 +150,12 @@ impl Samples {
     fn may_reach_zero(&self, k: usize, indicator: usize, depth: u32) -> bool {
         let (a, ga) = self.at(k, indicator);
         let (b, gb) = self.at(k + 1, indicator);
+        // Most indicators do not turn: no slopes are needed to see that.
+        let falls = k == 0 || ga < self.at(k - 1, indicator).1;
+        let rises = k + 2 >= self.times.len() || self.at(k + 2, indicator).1 > gb;
+        if !falls || !rises {
+            return false;
+        }
         let slope = |from: (f64, f64), to: (f64, f64)| (to.1 - from.1) / (to.0 - from.0);
         let falling = (k > 0).then(|| slope(self.at(k - 1, indicator), (a, ga)));
         let rising = (k + 2 < self.times.len()).then(|| slope((b, gb), self.at(k + 2, indicator)));

@@ -28,7 +28,7 @@ use crate::ir::program::{Instr, Program, RelationTrigger, Slot};
 use crate::numeric::pattern::Pattern;
 use crate::runtime::machine::{Fault, Machine};
 use crate::runtime::tangent::Tangents;
-use crate::runtime::tangent::outputs::needed;
+use crate::runtime::tangent::outputs::{needed, read_first};
 
 use self::at_events::AtEvents;
 use self::forcing::InputDerivatives;
@@ -71,6 +71,8 @@ pub struct Sensitivity {
     forcing: InputDerivatives,
     /// The instructions that the recorded variables depend on.
     outputs: Vec<Instr>,
+    /// The states that these instructions read, or that are recorded.
+    output_states: Vec<usize>,
     at_events: AtEvents,
     /// A panel of derivatives, with room for one more component during sliding.
     s: Vec<f64>,
@@ -128,6 +130,14 @@ fn input_slot(program: &Program, input: Input) -> Option<Slot> {
     }
 }
 
+/// The states that instructions read before they write them, and those that are recorded.
+fn output_states(program: &Program, code: &[Instr], recorded: &[Slot]) -> Vec<usize> {
+    let mut read = read_first(program, &[code]);
+    recorded.iter().for_each(|slot| read[*slot as usize] = true);
+    let first = program.layout.states as usize;
+    (0..program.order()).filter(|i| read[first + i]).collect()
+}
+
 impl Sensitivity {
     /// Sensitivities before the start of a run; `None` if one of `inputs` is not an input of the
     /// program.
@@ -162,6 +172,7 @@ impl Sensitivity {
             variation,
             linearization,
             forcing: InputDerivatives::new(program, inputs),
+            output_states: output_states(program, &outputs, &recorded),
             outputs,
             at_events,
             s: vec![0.0; (n + 1) * width],
@@ -239,7 +250,7 @@ impl Sensitivity {
     pub fn evaluate(&mut self, machine: &mut Machine<'_>, t: f64) -> Result<(), Fault> {
         let program = machine.program;
         let layout = &program.layout;
-        self.place(program, t);
+        self.place(program, t, 0..program.order());
         let Some(tangents) = &mut self.tangents else { return Ok(()) };
         // The last direction is along the trajectory.
         for i in 0..program.order() {
@@ -261,7 +272,9 @@ impl Sensitivity {
     /// Computes the derivatives of the recorded variables at `t` within the last step, where all
     /// variables have been evaluated.
     pub fn evaluate_row(&mut self, machine: &mut Machine<'_>, t: f64) -> Result<(), Fault> {
-        self.place(machine.program, t);
+        let states = std::mem::take(&mut self.output_states);
+        self.place(machine.program, t, states.iter().copied());
+        self.output_states = states;
         if let Some(tangents) = &mut self.tangents {
             tangents.propagate(machine, &self.outputs)?;
         }
@@ -269,14 +282,14 @@ impl Sensitivity {
         Ok(())
     }
 
-    /// Sets the derivatives of the states at `t` within the last step, at constant time.
-    fn place(&mut self, program: &Program, t: f64) {
+    /// Sets the derivatives of some states at `t` within the last step, at constant time.
+    fn place(&mut self, program: &Program, t: f64, states: impl Iterator<Item = usize>) {
         let Some(tangents) = &mut self.tangents else { return };
         let layout = &program.layout;
         let variation = self.surface.as_ref().map_or(&self.variation, |s| &s.variation);
-        let s = &mut self.s[..variation.at_end().len()];
-        variation.interpolate(t, s);
-        for (i, row) in s.chunks_exact(variation.width()).take(program.order()).enumerate() {
+        let row = &mut self.s[..variation.width()];
+        for i in states {
+            variation.interpolate_component(i, t, row);
             let slot = layout.states + i as Slot;
             tangents.of_mut(slot)[..self.count].copy_from_slice(&row[..self.count]);
         }
