@@ -6,8 +6,8 @@
 //!
 //! A [`hypothesis`] is the model with certain effects at certain places, fitted to the recordings. The
 //! [`search`] extends hypotheses step by step: every effect is scored at every place ([`rank`], [`score`]),
-//! the most promising are fitted ([`preliminary_fit`], [`candidate_fit`]) and compared ([`preference`]). All thresholds stand in
-//! [`policy`].
+//! the most promising are fitted ([`preliminary_fit`], [`candidate_fit`]) and compared ([`preference`]). All
+//! thresholds stand in [`policy`].
 
 pub mod adapter;
 pub mod amended_model;

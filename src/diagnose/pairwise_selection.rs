@@ -138,18 +138,17 @@ pub fn pairs(
     best
 }
 
-/// The candidates that can be simulated: each half of a batch that cannot be is tried by itself.
+/// The candidates that can be simulated, of a batch that cannot be: each half is tried by itself.
 fn feasible(linearisation: &Linearisation<'_>, batch: &[usize]) -> Vec<usize> {
-    if linearisation.with(batch).is_some() {
-        return batch.to_vec();
+    if batch.len() < 2 {
+        return Vec::new();
     }
-    match batch.len() {
-        0 | 1 => Vec::new(),
-        count => {
-            let (left, right) = batch.split_at(count / 2);
-            [left, right].into_iter().flat_map(|half| feasible(linearisation, half)).collect()
-        }
-    }
+    let (left, right) = batch.split_at(batch.len() / 2);
+    let of_half = |half: &[usize]| match linearisation.with(half) {
+        Some(_) => half.to_vec(),
+        None => feasible(linearisation, half),
+    };
+    [left, right].into_iter().flat_map(of_half).collect()
 }
 
 impl Member<'_> {

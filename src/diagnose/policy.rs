@@ -72,12 +72,6 @@ pub struct SearchPolicy {
     pub fitted_variations: usize,
     /// Of these, terms that are products of variables. Default 1.
     pub fitted_products: usize,
-    /// Candidates of a preliminary fit, where a large effect makes the score unreliable. Default 32.
-    pub preliminary_fits: usize,
-    /// Of these, the ones that are fitted first, if they leave less than `most_share`. Default 3.
-    pub preferred_preliminary_fits: usize,
-    /// When a preliminary fit stops, and once more for the best of them. Default: 4 steps.
-    pub preliminary_fit: Stopping,
     /// Share of the promise of a parameter that varies along a curve which the best straight line must promise to be fitted
     /// first. Default 0.9.
     pub straight_share: f64,
@@ -86,6 +80,12 @@ pub struct SearchPolicy {
     /// Places that are fitted besides because they promise most for recordings that were never fitted.
     /// Default 2.
     pub fitted_by_validation: usize,
+    /// Candidates of a preliminary fit, where a large effect makes the score unreliable. Default 32.
+    pub preliminary_fits: usize,
+    /// Of these, the ones that are fitted first, if they leave less than `most_share`. Default 3.
+    pub preferred_preliminary_fits: usize,
+    /// When a preliminary fit stops, and once more for the best of them. Default: 4 steps.
+    pub preliminary_fit: Stopping,
     /// Fits of the same effects at the same places. Default 3. More repeat what is known from other starts.
     pub fits_of_the_same: usize,
     /// Share of what an effect that explains nearly everything leaves which a second effect must explain. Default 0.7. Less

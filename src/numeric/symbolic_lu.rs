@@ -8,6 +8,14 @@ use std::collections::BTreeSet;
 
 use super::pattern::Pattern;
 
+/// Largest amplification of rounding errors in a pivot: without exchanges of rows, one that is left by cancellation is not
+/// divided by.
+pub const WEAKEST: f64 = 1e6;
+
+/// A pivot is too small to divide by.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Weak;
+
 /// The plan of a decomposition.
 pub struct SymbolicLu {
     /// The row and column that is eliminated at each position.

@@ -7,7 +7,7 @@
 use crate::integrate::matrix::Shift;
 use crate::integrate::system::{EvalError, System};
 use crate::numeric::pattern::Pattern;
-use crate::numeric::symbolic_lu::SymbolicLu;
+use crate::numeric::symbolic_lu::{SymbolicLu, WEAKEST, Weak};
 
 /// Smallest number of components for which this pays.
 const LEAST: usize = 5;
@@ -15,8 +15,6 @@ const LEAST: usize = 5;
 const MOST: usize = 60;
 /// Largest share of the entries that may be nonzero after elimination.
 const MAX_DENSITY: f64 = 0.6;
-/// Largest amplification of rounding errors in a pivot.
-const WEAKEST: f64 = 1e6;
 
 /// An entry of the real matrix, and the parts of that of the complex one.
 type Entry = [f64; 3];
@@ -44,9 +42,6 @@ pub struct Elimination {
     /// A right-hand side by position, real and complex.
     right: Vec<Entry>,
 }
-
-/// A pivot is too small to divide by.
-pub struct Weak;
 
 impl Elimination {
     /// For a system of differential equations that provides a pattern; `None` if this does not pay.
@@ -184,9 +179,21 @@ impl Elimination {
 
     /// Solves with both matrices, in place: `a` with the real one, `re + i im` with the complex one.
     pub fn solve(&mut self, a: &mut [f64], re: &mut [f64], im: &mut [f64]) {
+        self.solve_column(a, re, im, (1, 0));
+    }
+
+    /// The same for a column of panels of this width.
+    pub fn solve_column(
+        &mut self,
+        a: &mut [f64],
+        re: &mut [f64],
+        im: &mut [f64],
+        (width, column): (usize, usize),
+    ) {
         let Elimination { order, factors, others, ends, right, .. } = self;
         for (x, &i) in right.iter_mut().zip(order.iter()) {
-            *x = [a[i], re[i], im[i]];
+            let at = i * width + column;
+            *x = [a[at], re[at], im[at]];
         }
         let mut start = order.len();
         for (k, &(lower, upper)) in ends.iter().enumerate() {
@@ -204,7 +211,8 @@ impl Elimination {
             right[k] = product(&factors[k], &x);
         }
         for (x, &i) in right.iter().zip(order.iter()) {
-            [a[i], re[i], im[i]] = *x;
+            let at = i * width + column;
+            [a[at], re[at], im[at]] = *x;
         }
     }
 }

@@ -33,18 +33,7 @@ impl IterationMatrix {
             self.solve_real_panel(a, width);
             return self.solve_complex_panel(re, im, width);
         };
-        let n = self.mass.len();
-        let mut columns = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
-        for d in 0..width {
-            for (column, panel) in columns.iter_mut().zip([&*a, &*re, &*im]) {
-                (0..n).for_each(|i| column[i] = panel[i * width + d]);
-            }
-            let [x, y, z] = &mut columns;
-            elimination.solve(x, y, z);
-            for (column, panel) in columns.iter().zip([&mut *a, &mut *re, &mut *im]) {
-                (0..n).for_each(|i| panel[i * width + d] = column[i]);
-            }
-        }
+        (0..width).for_each(|column| elimination.solve_column(a, re, im, (width, column)));
     }
 
     /// Solves with the real matrix, in place, for all columns of a panel.

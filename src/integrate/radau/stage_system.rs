@@ -6,12 +6,10 @@
 
 use crate::numeric::panel::LANES;
 use crate::numeric::pattern::Pattern;
-use crate::numeric::symbolic_lu::SymbolicLu;
+use crate::numeric::symbolic_lu::{SymbolicLu, WEAKEST, Weak};
 
 /// Number of stages.
 const STAGES: usize = 3;
-/// Largest amplification of rounding errors in a pivot.
-const WEAKEST: f64 = 1e6;
 /// Largest number of components: the order is found by an algorithm whose time grows with their square.
 const LARGEST: usize = 400;
 
@@ -28,10 +26,6 @@ pub struct StageSystem {
     panel: Vec<f64>,
     width: usize,
 }
-
-/// A pivot is too small to divide by.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Weak;
 
 impl StageSystem {
     /// For Jacobians of this pattern and `width` directions; `None` if the elimination would take longer than the
