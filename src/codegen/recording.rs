@@ -76,7 +76,12 @@ fn slots_read_elsewhere(program: &Program) -> Vec<bool> {
         &program.tapes.rhs,
         &program.tapes.roots,
     ];
-    for tape in own.into_iter().chain([&program.tapes.jacobian]).chain(blocks).chain(mixed_blocks) {
+    for tape in own
+        .into_iter()
+        .chain([&program.tapes.jacobian, &program.tapes.state_selection])
+        .chain(blocks)
+        .chain(mixed_blocks)
+    {
         tape.iter().for_each(|i| operands(i, &mut mark));
     }
     let entry = |e: &Entry| e.slot;
@@ -115,6 +120,14 @@ fn slots_read_elsewhere(program: &Program) -> Vec<bool> {
     program.events.reinits.iter().flat_map(|r| [r.active, r.state, r.value]).for_each(&mut mark);
     program.events.asserts.iter().flat_map(|a| [a.active, a.condition]).for_each(&mut mark);
     program.events.terminates.iter().for_each(|c| mark(*c));
+    // What histories record and are read by.
+    layout.delays.iter().flat_map(|d| [d.source, d.delay]).for_each(&mut mark);
+    for line in &layout.transports {
+        line.ends.iter().chain(line.entering.iter().flatten()).for_each(|c| mark(*c));
+        line.readers.iter().for_each(|r| mark(r.place));
+    }
+    let sets = program.state_sets.iter();
+    sets.flat_map(|s| s.candidates.iter().chain(&s.nominals)).for_each(|c| mark(*c));
     needed
 }
 

@@ -2,7 +2,7 @@
 
 use crate::base::index::{FastMap, Id};
 use crate::ir::blocks::Block;
-use crate::ir::dae::{Dae, Trigger, VariableKind};
+use crate::ir::dae::{Dae, Delay, Trigger, VariableKind};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
 use crate::ir::program::{
     AssertSlots, BlockPosition, Clock, Entry, Forcing, Op, ReinitSlots, Sequence, Slot, Tape,
@@ -80,9 +80,11 @@ pub fn parameters(e: &mut Emitter, blocks: &SortedBlocks) {
         e.push(PARAMETER, Op::Input, start, default, input);
         e.layout.starts.push((v, input, start));
     }
-    for (v, time) in e.dae.delays.clone() {
-        let (source, delay) = (e.slot(v), initialized_value(e, time, 0.0));
-        e.layout.delays.push(DelaySlots { variable: v, source, delay, moves: true });
+    for Delay { variable, time, input } in e.dae.delays.clone() {
+        // The signal of an input can be shifted only by a time that is known before the run.
+        let input = input.filter(|_| e.level_of(&[time], |_| false) == PARAMETER);
+        let (source, delay) = (e.slot(variable), initialized_value(e, time, 0.0));
+        e.layout.delays.push(DelaySlots { variable, source, delay, input, moves: true });
     }
     for line in e.dae.transports.clone() {
         // Lines are filled after initialization, which may determine what fills them.

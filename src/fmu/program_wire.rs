@@ -152,7 +152,7 @@ wire_struct!(ReinitSlots { active, state, value });
 wire_struct!(AssertSlots { active, condition, at_events });
 wire_struct!(Bounds { variable, value, min, max, nominal });
 wire_struct!(StateSetSlots { candidates, nominals, states, selection, jacobian });
-wire_struct!(DelaySlots { variable, source, delay, moves });
+wire_struct!(DelaySlots { variable, source, delay, input, moves });
 wire_struct!(ReaderSlots { place, from, to });
 wire_struct!(TransportSlots { ends, entering, initial, readers });
 wire_struct!(Layout {

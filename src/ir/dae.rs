@@ -53,14 +53,25 @@ pub struct Dae {
     pub eliminated: Vec<(VarId, ExprId)>,
     /// Run-time functions.
     pub functions: IndexVec<FunctionId, Function>,
-    /// Delayed expressions: the variable that is delayed, and by how much, s.
-    pub delays: Vec<(VarId, ExprId)>,
+    /// Delayed expressions.
+    pub delays: Vec<Delay>,
     /// Transport lines.
     pub transports: Vec<Transport>,
     /// The equations as they were before aliases were eliminated.
     pub stated: Stated,
     /// Defaults of the run.
     pub experiment: Experiment,
+}
+
+/// `delay(variable, time)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Delay {
+    /// The variable.
+    pub variable: VarId,
+    /// The delay, s.
+    pub time: ExprId,
+    /// The input that takes its values from recordings, if the variable equals one.
+    pub input: Option<VarId>,
 }
 
 /// The equations of the flat model, for messages about singular systems: the equation that is wrong

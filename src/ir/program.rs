@@ -389,6 +389,8 @@ pub struct DelaySlots {
     pub source: Slot,
     /// Slot of the delay time, s.
     pub delay: Slot,
+    /// The input that it equals, if recordings may determine that and the delay is a parameter.
+    pub input: Option<VarId>,
     /// It varies between events.
     pub moves: bool,
 }

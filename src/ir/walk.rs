@@ -344,7 +344,7 @@ impl Dae {
         self.reinits.iter().flat_map(|r| [r.active, r.value]).for_each(&mut *visit);
         self.asserts.iter().filter_map(|a| a.active).for_each(&mut *visit);
         self.terminates.iter().for_each(|t| visit(t.active));
-        self.delays.iter().for_each(|(_, e)| visit(*e));
+        self.delays.iter().for_each(|delay| visit(delay.time));
         self.transports.iter().for_each(|line| line.walk(&mut |e| visit(*e)));
         for v in self.variables.iter() {
             [v.start, v.min, v.max, v.nominal].into_iter().flatten().for_each(&mut *visit);

@@ -73,7 +73,7 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     for &v in &flat.synthetic {
         rewriting.variables[v].hidden = true;
     }
-    let delays = delays(&flat.delays, &mut rewriting);
+    let delays = delays(&flat.delays, &flat.recorded, &mut rewriting);
     let transports = transports(flat.transports, &mut rewriting);
     discrete.list.append(&mut rewriting.jumps);
     classify::check_discrete_equations(&discrete.list, &mut rewriting);
@@ -119,13 +119,16 @@ fn hold_initial_values(
     }
 }
 
-/// The delayed variables with their delay times.
-fn delays(flat: &[Delay], r: &mut Rewriting<'_>) -> Vec<(VarId, ExprId)> {
+/// The delayed variables with their delay times. `recorded` are the inputs that recordings determine.
+fn delays(flat: &[Delay], recorded: &[VarId], r: &mut Rewriting<'_>) -> Vec<dae::Delay> {
     let mut list = Vec::with_capacity(flat.len());
-    for delay in flat {
-        let origin = Origin { span: delay.span, component: "".into() };
-        let time = r.apply(delay.time, RelationMode::Literal, &origin);
-        list.push((delay.variable, r.graph.as_real(time)));
+    for &Delay { variable, time, span } in flat {
+        let origin = Origin { span, component: "".into() };
+        let time = r.apply(time, RelationMode::Literal, &origin);
+        let own = r.representative(variable);
+        let is_same = |input: &VarId| own.is_some() && r.representative(*input) == own;
+        let input = recorded.iter().copied().find(is_same);
+        list.push(dae::Delay { variable, time: r.graph.as_real(time), input });
     }
     list
 }

@@ -5,6 +5,7 @@
 //! occurred, as a time event. Until that event is handled, the segment before it is extrapolated,
 //! so that a step sees a smooth signal up to its end.
 
+use crate::ir::expr::VarId;
 use crate::ir::program::{DelaySlots, Layout, Slot};
 use crate::numeric::polynomial_segment::{Extrapolation, PolynomialSegment, jumps};
 
@@ -16,6 +17,7 @@ pub struct DelayBuffers {
 
 #[derive(Clone)]
 struct Line {
+    input: Option<VarId>,
     source: Slot,
     delay: Slot,
     moves: bool,
@@ -30,6 +32,7 @@ impl DelayBuffers {
     /// Empty histories.
     pub fn new(layout: &Layout) -> Self {
         let line = |d: &DelaySlots| Line {
+            input: d.input,
             source: d.source,
             delay: d.delay,
             moves: d.moves,
@@ -43,6 +46,11 @@ impl DelayBuffers {
             current: 0,
         };
         DelayBuffers { lines: layout.delays.iter().map(line).collect() }
+    }
+
+    /// Leaves the delays of driven inputs to [`InputSignals`](super::input_signals::InputSignals), which know their past.
+    pub fn leave_inputs(&mut self, is_driven: impl Fn(VarId) -> bool) {
+        self.lines.retain(|line| !line.input.is_some_and(&is_driven));
     }
 
     /// True if the model has no delays.
@@ -145,18 +153,23 @@ impl Line {
     }
 }
 
-crate::base::wire::wire_struct!(Line { source, delay, moves, slots, segments, current });
+crate::base::wire::wire_struct!(Line { input, source, delay, moves, slots, segments, current });
 crate::base::wire::wire_struct!(DelayBuffers { lines });
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ir::expr::VarId;
 
     #[test]
     fn a_jump_is_delayed() {
         let layout = Layout {
-            delays: vec![DelaySlots { variable: VarId(0), source: 0, delay: 1, moves: true }],
+            delays: vec![DelaySlots {
+                variable: VarId(0),
+                source: 0,
+                delay: 1,
+                input: None,
+                moves: true,
+            }],
             signals: vec![(VarId(0), 0, 2)],
             ..Layout::default()
         };

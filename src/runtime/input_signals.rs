@@ -1,5 +1,8 @@
 //! Inputs driven by recorded signals. Their values are written to the memory whenever time is set,
 //! so the interpreter and machine code read an input like a state.
+//!
+//! The delay of such an input, `delay(u, T)` with a parameter `T`, is the same signal read a time `T` earlier: its past
+//! is known, so it needs no history, and it is smooth in `T` down to zero.
 
 use std::sync::Arc;
 
@@ -16,6 +19,8 @@ pub struct InputSignals {
 #[derive(Clone)]
 struct InputSignal {
     series: Arc<TimeSeries>,
+    /// Slot of the time by which it is delayed, s.
+    delay: Option<Slot>,
     /// The interval between sample instants that contained the last evaluation. For signals with
     /// breakpoints it is fixed during a step, so that the step sees a smooth signal up to its end.
     interval: usize,
@@ -27,11 +32,11 @@ struct InputSignal {
 impl InputSignals {
     /// Signals that drive inputs from the instant `t` on.
     pub fn new(layout: &Layout, sources: &[(VarId, Arc<TimeSeries>)], t: f64) -> Self {
-        let one = |(v, series): &(VarId, Arc<TimeSeries>)| {
+        let one = |v: VarId, series: &Arc<TimeSeries>, delay: Option<Slot>| {
             let mut slots: Vec<(u32, Slot)> = layout
                 .signals
                 .iter()
-                .filter(|r| r.0 == *v)
+                .filter(|r| r.0 == v)
                 .map(|(_, order, slot)| (*order, *slot))
                 .collect();
             slots.sort_unstable();
@@ -39,44 +44,61 @@ impl InputSignals {
                 matches!(series.interpolation(), Interpolation::Hold | Interpolation::Linear);
             InputSignal {
                 series: Arc::clone(series),
+                delay,
                 interval: series.interval(t, 0),
                 has_breakpoints,
                 slots: slots.into_iter().map(|(_, slot)| slot).collect(),
             }
         };
-        InputSignals { signals: sources.iter().map(one).collect() }
+        let own = sources.iter().map(|(v, series)| one(*v, series, None));
+        let delayed = layout.delays.iter().filter_map(|d| {
+            let (_, series) = sources.iter().find(|(v, _)| Some(*v) == d.input)?;
+            Some(one(d.variable, series, Some(d.delay)))
+        });
+        InputSignals { signals: own.chain(delayed).collect() }
+    }
+
+    /// Finds the intervals of the delayed signals at `t`, now that their delays are known.
+    pub fn begin(&mut self, t: f64, memory: &[f64]) {
+        for p in self.signals.iter_mut().filter(|p| p.delay.is_some()) {
+            p.interval = p.series.interval(t - p.lag(memory), 0);
+        }
     }
 
     /// Writes the values of all signals at `t`.
     #[inline]
     pub fn write_slots(&mut self, t: f64, memory: &mut [f64]) {
         for p in &mut self.signals {
+            let then = t - p.lag(memory);
             if !p.has_breakpoints {
-                p.interval = p.series.interval(t, p.interval);
+                p.interval = p.series.interval(then, p.interval);
             }
             for (order, slot) in p.slots.iter().enumerate() {
-                memory[*slot as usize] = p.series.at(t, p.interval, order as u8);
+                memory[*slot as usize] = p.series.at(then, p.interval, order as u8);
             }
         }
     }
 
     /// The end of the current interval of the signals with breakpoints; infinity if there are none.
-    pub fn next_breakpoint(&self) -> f64 {
-        let has_breakpoints = self.signals.iter().filter(|p| p.has_breakpoints);
-        has_breakpoints.map(|p| p.series.end_of(p.interval)).fold(f64::INFINITY, f64::min)
+    pub fn next_breakpoint(&self, memory: &[f64]) -> f64 {
+        self.signals.iter().map(|p| p.next_breakpoint(memory)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The slot of the delay that determines when the next breakpoint is, if that is due at `t` and a value or rate
+    /// jumps there: an event whose instant depends on a parameter.
+    pub fn delay_of_jump(&self, t: f64, memory: &[f64]) -> Option<Slot> {
+        let due = |p: &&InputSignal| p.jumps() && p.next_breakpoint(memory) <= t;
+        self.signals.iter().filter(due).find_map(|p| p.delay)
     }
 
     /// Advances past the breakpoints up to `t`; true if a value or rate that the program reads may
     /// jump there.
-    pub fn advance_past(&mut self, t: f64) -> bool {
+    pub fn advance_past(&mut self, t: f64, memory: &[f64]) -> bool {
         let mut jumps = false;
-        for p in self.signals.iter_mut().filter(|p| p.has_breakpoints) {
-            let now = p.series.interval(t, p.interval);
-            if now != p.interval {
-                p.interval = now;
-                // The highest order serves events only.
-                let read = p.slots.len().saturating_sub(1);
-                jumps |= p.series.interpolation() == Interpolation::Hold || read > 1;
+        for p in &mut self.signals {
+            while p.next_breakpoint(memory) <= t {
+                p.interval += 1;
+                jumps |= p.jumps();
             }
         }
         jumps
@@ -94,5 +116,52 @@ impl InputSignals {
                 visit(pair[0], memory[pair[1] as usize]);
             }
         }
+    }
+
+    /// True if a signal is read some time later.
+    pub fn has_delays(&self) -> bool {
+        self.signals.iter().any(|p| p.delay.is_some())
+    }
+
+    /// The slots of the delayed signals and of their derivatives, each with that of its rate and that of the delay.
+    pub fn delayed(&self) -> impl Iterator<Item = DelayedSlots> {
+        self.signals.iter().filter_map(|p| Some((p, p.delay?))).flat_map(|(p, delay)| {
+            let pairs = p.slots.windows(2);
+            pairs.map(move |pair| DelayedSlots { value: pair[0], rate: pair[1], delay })
+        })
+    }
+}
+
+/// A delayed signal or one of its derivatives.
+#[derive(Clone, Copy, Debug)]
+pub struct DelayedSlots {
+    /// The slot that holds it.
+    pub value: Slot,
+    /// The slot of its derivative by time.
+    pub rate: Slot,
+    /// The slot of the delay, s.
+    pub delay: Slot,
+}
+
+impl InputSignal {
+    /// The time by which it is delayed, s; 0 while that is not known.
+    #[inline]
+    fn lag(&self, memory: &[f64]) -> f64 {
+        self.delay.map_or(0.0, |slot| memory[slot as usize].max(0.0))
+    }
+
+    /// The end of the current interval; infinity for a signal without breakpoints.
+    fn next_breakpoint(&self, memory: &[f64]) -> f64 {
+        match self.has_breakpoints {
+            true => self.series.end_of(self.interval) + self.lag(memory),
+            false => f64::INFINITY,
+        }
+    }
+
+    /// True if a value or rate that the program reads may jump at a breakpoint.
+    fn jumps(&self) -> bool {
+        // The highest order serves events only.
+        let read = self.slots.len().saturating_sub(1);
+        self.series.interpolation() == Interpolation::Hold || read > 1
     }
 }

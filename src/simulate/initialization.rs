@@ -136,6 +136,8 @@ pub fn initialise_from(
     machine.set(program.layout.time, settings.start);
     machine.set(program.layout.initial, 1.0);
     machine.run(&program.tapes.parameters).map_err(EventError::Fault)?;
+    machine.input_signals.begin(settings.start, &machine.memory);
+    machine.input_signals.write_slots(settings.start, &mut machine.memory);
     // Check assertions about parameters first: their messages are better than those of
     // consequences.
     if let Some(k) = precondition::violated(machine) {

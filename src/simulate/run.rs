@@ -133,9 +133,19 @@ pub fn simulate_with_sensitivities(
     if statistics.hidden.is_empty() {
         return Ok(statistics);
     }
-    let why = "a parameter acts on an FMU in the model";
-    let cause = RunCause::NoSensitivities { time: settings.start, why };
-    Err(Failure::numerics(settings.start, Diagnostic::new(cause, Span::NONE)))
+    Err(without_sensitivities(settings.start, "a parameter acts on an FMU in the model"))
+}
+
+/// True if a program reads past values that only a run can know.
+fn has_histories(program: &Program, settings: &Settings) -> bool {
+    let layout = &program.layout;
+    let is_driven = |input| settings.courses.iter().any(|(v, _)| *v == input);
+    let mut delays = layout.delays.iter();
+    !(layout.transports.is_empty() && delays.all(|d| d.input.is_some_and(is_driven)))
+}
+
+fn without_sensitivities(time: f64, why: &'static str) -> Failure {
+    Failure::numerics(time, Diagnostic::new(RunCause::NoSensitivities { time, why }, Span::NONE))
 }
 
 /// As [`simulate_with_sensitivities`], but [`Statistics::hidden`] lists the inputs by which the derivatives of the rows
@@ -153,11 +163,9 @@ pub fn simulate_with_known_sensitivities(
                 .to_owned(),
         ));
     }
-    if !(program.layout.delays.is_empty() && program.layout.transports.is_empty()) {
-        return Err(Failure::settings(
-            "sensitivities of models with `delay` or `spatialDistribution` are not supported yet"
-                .to_owned(),
-        ));
+    if has_histories(program, settings) {
+        let why = "the model delays a computed variable";
+        return Err(without_sensitivities(settings.start, why));
     }
     let Some(settings) = with_inputs(program, settings, inputs) else {
         return Err(Failure::settings(
@@ -395,7 +403,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let instant = self.clocks.next_instant(&self.system.machine, self.t);
         let machine = &self.system.machine;
         let delayed = machine.delays.next_breakpoint(&machine.memory);
-        let breakpoint = machine.input_signals.next_breakpoint().min(delayed);
+        let breakpoint = machine.input_signals.next_breakpoint(&machine.memory).min(delayed);
         let history_limit = self.t
             + machine
                 .transports
@@ -503,17 +511,21 @@ impl<'p, 's> Simulation<'p, 's> {
 
     /// Advances past a breakpoint of an input signal. It is an event only if a value or rate jumps, or
     /// if a clock `ticks` at the same instant; whatever is sampled there sees the value after the jump.
+    /// So is a jump that arrives with a delay, whose instant depends on a parameter.
     fn breakpoint(&mut self, t: f64, ticks: bool) -> Result<(), Failure> {
         let machine = &self.system.machine;
-        if machine.delays.next_breakpoint(&machine.memory) <= t {
+        let arrives = machine.input_signals.delay_of_jump(t, &machine.memory).is_some();
+        if arrives || machine.delays.next_breakpoint(&machine.memory) <= t {
             return self.event(t, Cause::Time);
         }
         self.record_history(t, false)?;
         self.complete_step(t)?;
-        let jumps = self.system.machine.input_signals.advance_past(t);
+        let machine = &mut self.system.machine;
+        let jumps = machine.input_signals.advance_past(t, &machine.memory);
         if ticks || (jumps && !self.program.events.relation_triggers.is_empty()) {
             self.event(t, Cause::Time)?;
         } else if jumps {
+            self.record_history(t, true)?;
             self.evaluate_at(t)?;
             if let Some(s) = &mut self.sensitivity {
                 s.restart(t);

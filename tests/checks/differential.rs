@@ -1,5 +1,6 @@
 //! Several ways to the same result: three methods, two tolerances, the flat model printed and read again,
-//! and the lines of a model in another order must agree to the tolerance, or say why not.
+//! the lines of a model in another order, and a run that records a single variable must agree to the tolerance, or say
+//! why not.
 //!
 //! Every model of the suite and the examples that runs without errors is run in each way by the program
 //! itself; rows throughout the run are compared, each variable with what it reaches during the run.
@@ -69,6 +70,12 @@ fn compare(time: Duration, each: usize) -> Vec<String> {
         if let Some(permuted) = permuted(&text, reversed) {
             let way = "lines in reverse order".to_owned();
             others.push((way, run(&scratch, &permuted, &["--tolerance", "1e-8"])));
+        }
+        let mut names = reference.keys().filter(|name| *name != "time");
+        let first = names.next();
+        for name in first.into_iter().chain(names.next_back()) {
+            let way = ["--tolerance", "1e-8", "--variables", &pattern(name)];
+            others.push((format!("only `{name}` recorded"), run(&scratch, &text, &way)));
         }
         for (way, outcome) in others {
             runs += 1;
@@ -142,6 +149,15 @@ fn flat(scratch: &Scratch, text: &str) -> Option<String> {
     scratch.file("model.mo", text);
     let output = program(scratch).args(["flatten", "model.mo"]).output().expect("mocc starts");
     output.status.success().then(|| String::from_utf8(output.stdout).expect("UTF-8"))
+}
+
+/// The regular expression that matches just this name.
+fn pattern(name: &str) -> String {
+    let escaped = name.chars().flat_map(|c| {
+        let escape = (!c.is_alphanumeric() && c.is_ascii()).then_some('\\');
+        escape.into_iter().chain([c])
+    });
+    format!("^{}$", escaped.collect::<String>())
 }
 
 /// Runs a text; the error is what mocc says.

@@ -43,6 +43,32 @@ fn rows_of_a_few_variables_are_those_of_all() {
     }
 }
 
+/// What is delayed is recorded in a history whether or not it is in the result.
+#[test]
+fn histories_do_not_depend_on_what_is_recorded() {
+    let model = "model Delayed
+        Real x(start = 0, fixed = true);
+        Real u(start = 0, fixed = true);
+        Real y = delay(2*x, 0.25);
+        Real out0, out1;
+      equation
+        der(x) = 1;
+        der(u) = cos(time);
+        (out0, out1) = spatialDistribution(3*u, 0, x, true, {0, 1}, {0, 0});
+        annotation(experiment(StopTime = 2));
+      end Delayed;";
+    let case = Case::text(model);
+    let all = case.compile().run();
+    let last = |name: &str| *all.of(name).last().expect("a row");
+    assert!((last("y") - 3.5).abs() < 1e-6, "{}", last("y"));
+    // What enters at a time when x was 1 less leaves now.
+    assert!((last("out1") - 3.0 * 1.0_f64.sin()).abs() < 1e-3, "{}", last("out1"));
+    for name in ["y", "out1"] {
+        let few = restricted(&case, &[name]).run();
+        assert_eq!(few.values(name), all.values(name), "{name}");
+    }
+}
+
 #[test]
 fn slopes_of_a_few_variables_are_those_of_all() {
     let (case, inputs) = (Case::file("examples/valve52.mol"), ["F_Coulomb", "t_delay"]);

@@ -784,6 +784,31 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end ActuatorLag;
 
+    model ActuatorDelay
+      extends Check(n = 2);
+      // A ramp, and what is asked for at the same instant.
+      Effects.ActuatorDelay effect(t_d = 0.2, u = time);
+      Effects.ActuatorDelay immediate(u = time);
+    equation
+      found = {effect.y, immediate.y};
+      exact = {max(0, time - 0.2), time};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end ActuatorDelay;
+
+    model ActuatorHysteresis
+      extends Check;
+      // Up until 1, then down.
+      Real u = if time < 1 then time else 2 - time;
+      Real x(start = 0, fixed = true) "The same, as a state";
+      Effects.ActuatorHysteresis effect(h = 0.02, w = 0.1, u = x);
+      constant Real z_1 = 1 - exp(-1/0.1);
+    equation
+      der(x) = if time < 1 then 1 else -1;
+      found = {effect.y};
+      exact = {if time < 1 then u - 0.02*(1 - exp(-u/0.1)) else u - 0.02*(-1 + (1 + z_1)*exp(-(time - 1)/0.1))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end ActuatorHysteresis;
+
     model FreeActuator
       extends Check;
       // Knots on a straight line.
@@ -912,6 +937,19 @@ package EffectTests
       exact = {if time < 1 then u - 0.02*(1 - exp(-u/0.1)) else u - 0.02*(-1 + (1 + z_1)*exp(-(time - 1)/0.1))};
       annotation(experiment(StopTime = 2, Tolerance = 1e-9));
     end SensorHysteresis;
+
+    model SensorBacklash
+      extends Check;
+      Real x(start = 0, fixed = true) "A ramp, as a state";
+      Effects.SensorBacklash effect(h = 0.02, w = 0.1, u = x);
+      Real z = (x - effect.y)/0.02;
+    equation
+      der(x) = 1;
+      // The integral of dz/(1 - z^4).
+      found = {log((1 + z)/(1 - z))/4 + atan(z)/2};
+      exact = {time/0.1};
+      annotation(experiment(StopTime = 0.2, Tolerance = 1e-10));
+    end SensorBacklash;
 
     model ConstantTorque
       extends Check;
@@ -1867,6 +1905,17 @@ package EffectTests
       Effects.ActuatorLag effect(u = s, T_min = 1e-5);
     end ActuatorLag;
 
+    model ActuatorDelay
+      extends Driven;
+      Effects.ActuatorDelay effect(u = u);
+      annotation(__mocc(through = "u = effect.y"));
+    end ActuatorDelay;
+
+    model ActuatorHysteresis
+      extends Base;
+      Effects.ActuatorHysteresis effect(u = s, w = 1e-4);
+    end ActuatorHysteresis;
+
     model FreeActuator
       extends Driven;
       Effects.FreeActuator effect(u = u, u_lo = 2, u_hi = 3);
@@ -1935,6 +1984,11 @@ package EffectTests
       extends Base;
       Effects.SensorHysteresis effect(u = s, w = 1e-4);
     end SensorHysteresis;
+
+    model SensorBacklash
+      extends Base;
+      Effects.SensorBacklash effect(u = s, w = 1e-4);
+    end SensorBacklash;
 
     model DirectionalFriction
       extends Base;

@@ -8,6 +8,7 @@
 
 use super::{Rule, Tangents, product, rule};
 use crate::ir::program::{Instr, Op, Program, Slot};
+use crate::runtime::input_signals::{DelayedSlots, InputSignals};
 use crate::runtime::machine::{Fault, Machine};
 
 /// Directions per word of a set.
@@ -64,7 +65,7 @@ impl Forcing {
 
     /// Copies the tangents of the memory, except those of time and states, and finds the active
     /// directions of each instruction. `from` may have additional directions.
-    pub fn prepare(&mut self, program: &Program, from: &Tangents) {
+    pub fn prepare(&mut self, program: &Program, from: &Tangents, signals: &InputSignals) {
         let (words, layout) = (self.words, &program.layout);
         let directions = self.tangents.directions;
         self.sets.fill(0);
@@ -72,11 +73,16 @@ impl Forcing {
             self.tangents.clear(*slot);
         }
         let states = layout.states..layout.states + program.order() as Slot;
+        // Delayed signals move with their delay, at whatever rate.
+        let source = |slot: Slot| {
+            signals.delayed().find(|s| s.value == slot).map_or(slot, |delayed| delayed.delay)
+        };
         let mut all = vec![0u64; words];
         for slot in self.read.iter().filter(|s| **s != layout.time && !states.contains(s)) {
-            self.tangents.of_mut(*slot).copy_from_slice(&from.of(*slot)[..directions]);
+            let derivatives = &from.of(source(*slot))[..directions];
+            self.tangents.of_mut(*slot).copy_from_slice(derivatives);
             let at = *slot as usize * words;
-            for (direction, d) in self.tangents.of(*slot).iter().enumerate() {
+            for (direction, d) in derivatives.iter().enumerate() {
                 if *d != 0.0 {
                     self.sets[at + direction / WORD] |= 1 << (direction % WORD);
                 }
@@ -116,6 +122,15 @@ impl Forcing {
             }
             let at = i.dst as usize * words;
             self.sets[at..at + words].copy_from_slice(&set);
+        }
+    }
+
+    /// Sets the derivatives of delayed signals at the instant that has been evaluated.
+    pub fn delay_signals(&mut self, machine: &Machine<'_>, from: &Tangents) {
+        for DelayedSlots { value, rate, delay } in machine.input_signals.delayed() {
+            let rate = machine.get(rate);
+            let own = self.tangents.of_mut(value).iter_mut();
+            own.zip(from.of(delay)).for_each(|(d, of_delay)| *d = -rate * of_delay);
         }
     }
 

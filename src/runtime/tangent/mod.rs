@@ -7,7 +7,7 @@
 //! iterated again: the implicit function theorem gives the derivatives of their unknowns.
 
 use crate::ir::expr::{Binary, Unary};
-use crate::ir::program::{CallSite, Instr, Op, Slot, Tape};
+use crate::ir::program::{CallSite, Instr, Layout, Op, Slot, Tape};
 use crate::numeric::linear::DenseLu;
 use crate::symbolic::partial;
 
@@ -15,6 +15,7 @@ pub mod forcing;
 pub mod outputs;
 
 use super::frame::Frames;
+use super::input_signals::{DelayedSlots, InputSignals};
 use super::machine::{Fault, JUMP_LIMIT, Machine, compute};
 use super::mixed_block::{ITERATION_LIMIT, discrete_slot};
 
@@ -91,6 +92,19 @@ impl Tangents {
     pub fn copy(&mut self, to: Slot, from: Slot) {
         let start = from as usize * self.width;
         self.values.copy_within(start..start + self.width, to as usize * self.width);
+    }
+
+    /// Sets the derivatives of all signals at constant time: only those that are delayed have any, by the delay. The
+    /// signals have been evaluated.
+    pub fn hold_signals(&mut self, layout: &Layout, signals: &InputSignals, memory: &[f64]) {
+        layout.signals.iter().for_each(|(.., slot)| self.clear(*slot));
+        for DelayedSlots { value, rate, delay } in signals.delayed() {
+            let rate = memory[rate as usize];
+            let (to, from) = (value as usize * self.width, delay as usize * self.width);
+            for k in 0..self.width {
+                self.values[to + k] = -rate * self.values[from + k];
+            }
+        }
     }
 
     fn clear(&mut self, slot: Slot) {

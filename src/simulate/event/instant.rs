@@ -113,6 +113,9 @@ impl Simulation<'_, '_> {
             if machine.delays.advance_past(t, &machine.memory) {
                 machine.delays.write_slots(t, &mut machine.memory);
             }
+            if machine.input_signals.advance_past(t, &machine.memory) {
+                machine.input_signals.write_slots(t, &mut machine.memory);
+            }
             let passed = machine.transports.advance_past(&mut machine.memory);
             let before = self.system.machine.snapshot();
             self.system.machine.assertion_messages.clear();

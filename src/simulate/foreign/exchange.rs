@@ -314,7 +314,8 @@ impl Exchange<'_, '_, '_> {
 
     /// One step of the integrator, and what is due at its end.
     fn step(&mut self) -> Result<(), Failure> {
-        let breakpoint = self.system.rows.machine.input_signals.next_breakpoint();
+        let machine = &self.system.rows.machine;
+        let breakpoint = machine.input_signals.next_breakpoint(&machine.memory);
         let t_stop = self.next.min(breakpoint).min(self.stop);
         if t_stop <= self.t {
             return self.event("time event of the FMU".to_owned());
@@ -341,7 +342,8 @@ impl Exchange<'_, '_, '_> {
         self.y.copy_from_slice(self.stepper.y());
         let asks = self.complete()?;
         let reached = matches!(step, Step::Reached { .. });
-        if reached && t == breakpoint && self.system.rows.machine.input_signals.advance_past(t) {
+        let machine = &mut self.system.rows.machine;
+        if reached && t == breakpoint && machine.input_signals.advance_past(t, &machine.memory) {
             self.statistics.time_events += 1;
             return self.event("an input jumped".to_owned());
         }

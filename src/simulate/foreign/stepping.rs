@@ -55,7 +55,7 @@ pub(super) fn run(
             end = end.min(due).min(stop);
             number = ((end - start) / size + SAME_INSTANT).floor() as u64;
         }
-        rows.machine.input_signals.advance_past(t);
+        rows.machine.input_signals.advance_past(t, &rows.machine.memory);
         inputs.clear();
         rows.inputs_at(t, &mut inputs);
         let before = rows.now.clone();

@@ -75,9 +75,9 @@ impl InputDerivatives {
     ) -> Result<(), Fault> {
         let program = machine.program;
         panel.fill(0.0);
-        if let Some(code) =
-            program.forcing.as_ref().filter(|_| self.is_compiled && is_differentiated)
-        {
+        // The code is for what stays constant between events, which delayed signals do not.
+        let is_compiled = self.is_compiled && !machine.input_signals.has_delays();
+        if let Some(code) = program.forcing.as_ref().filter(|_| is_compiled && is_differentiated) {
             if std::mem::take(&mut self.terms_are_stale) {
                 self.terms.prepare(program, tangents, self.count, width);
             }
@@ -90,8 +90,9 @@ impl InputDerivatives {
         let propagated =
             self.propagated.get_or_insert_with(|| Box::new(Forcing::new(program, self.count)));
         if std::mem::take(&mut self.propagated_is_stale) {
-            propagated.prepare(program, tangents);
+            propagated.prepare(program, tangents, &machine.input_signals);
         }
+        propagated.delay_signals(machine, tangents);
         propagated.propagate(machine)?;
         for (row, slot) in panel.chunks_exact_mut(width).zip(&program.layout.derivatives) {
             let derivatives = propagated.of(*slot);

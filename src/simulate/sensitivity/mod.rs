@@ -250,7 +250,7 @@ impl Sensitivity {
     pub fn evaluate(&mut self, machine: &mut Machine<'_>, t: f64) -> Result<(), Fault> {
         let program = machine.program;
         let layout = &program.layout;
-        self.place(program, t, 0..program.order());
+        self.place(machine, t, 0..program.order());
         let Some(tangents) = &mut self.tangents else { return Ok(()) };
         // The last direction is along the trajectory.
         for i in 0..program.order() {
@@ -273,7 +273,7 @@ impl Sensitivity {
     /// variables have been evaluated.
     pub fn evaluate_row(&mut self, machine: &mut Machine<'_>, t: f64) -> Result<(), Fault> {
         let states = std::mem::take(&mut self.output_states);
-        self.place(machine.program, t, states.iter().copied());
+        self.place(machine, t, states.iter().copied());
         self.output_states = states;
         if let Some(tangents) = &mut self.tangents {
             tangents.propagate(machine, &self.outputs)?;
@@ -282,10 +282,10 @@ impl Sensitivity {
         Ok(())
     }
 
-    /// Sets the derivatives of some states at `t` within the last step, at constant time.
-    fn place(&mut self, program: &Program, t: f64, states: impl Iterator<Item = usize>) {
+    /// Sets the derivatives of some states and of delayed signals at `t` within the last step, at constant time.
+    fn place(&mut self, machine: &Machine<'_>, t: f64, states: impl Iterator<Item = usize>) {
         let Some(tangents) = &mut self.tangents else { return };
-        let layout = &program.layout;
+        let layout = &machine.program.layout;
         let variation = self.surface.as_ref().map_or(&self.variation, |s| &s.variation);
         let row = &mut self.s[..variation.width()];
         for i in states {
@@ -294,7 +294,7 @@ impl Sensitivity {
             tangents.of_mut(slot)[..self.count].copy_from_slice(&row[..self.count]);
         }
         tangents.of_mut(layout.time).fill(0.0);
-        layout.signals.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
+        tangents.hold_signals(layout, &machine.input_signals, &machine.memory);
     }
 
     fn read_slopes(&mut self) {
@@ -319,7 +319,7 @@ impl Sensitivity {
         self.at_events.shift(program, tangents, &self.shift[..self.count]);
     }
 
-    /// Shifts all derivatives to the instant `t` of a clock or a comparison with time.
+    /// Shifts all derivatives to the instant `t` of a clock, a comparison with time, or the delayed jump of an input.
     pub fn arrive_by_clock(&mut self, machine: &Machine<'_>, clocks: &Clocks, t: f64) {
         let program = machine.program;
         let Some(tangents) = &mut self.tangents else { return };
@@ -337,6 +337,8 @@ impl Sensitivity {
             for (j, shift) in self.shift[..self.count].iter_mut().enumerate() {
                 *shift = start[j] + tick * interval[j];
             }
+        } else if let Some(slot) = machine.input_signals.delay_of_jump(t, &machine.memory) {
+            self.shift[..self.count].copy_from_slice(&tangents.of(slot)[..self.count]);
         }
         self.at_events.shift(program, tangents, &self.shift[..self.count]);
     }

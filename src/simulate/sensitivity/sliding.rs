@@ -153,7 +153,7 @@ impl Surface {
         let mut parts = vec![0.0; count];
         if let Some(tangents) = tangents {
             tangents.of_mut(layout.time).fill(0.0);
-            layout.signals.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
+            tangents.hold_signals(layout, &machine.input_signals, &machine.memory);
             self.variation.interpolate(t, &mut s);
             for (i, row) in s.chunks_exact(width).take(n).enumerate() {
                 let slot = layout.states + i as Slot;
@@ -249,7 +249,7 @@ fn by_inputs(
     machine.set_point(t, y);
     if let Some(tangents) = &mut machine.tangents {
         tangents.of_mut(layout.time).fill(0.0);
-        layout.signals.iter().for_each(|(.., slot)| tangents.of_mut(*slot).fill(0.0));
+        tangents.hold_signals(layout, &machine.input_signals, &machine.memory);
         for i in 0..y.len() {
             tangents.of_mut(layout.states + i as Slot).fill(0.0);
         }
