@@ -12,7 +12,7 @@ equation
   y = delay(u, t_d + T_min);
 
   annotation(__mocc(
-    effect   = "acts=y; amplitude=t_d>0; T_min=1e-7*span(t)",
+    effect   = "acts=y; order=first; amplitude=t_d>0; T_min=1e-7*span(t)",
     law      = "y(t) = u(t - t_d)",
     explains = "The input %at acts after a dead time."));
 end ActuatorDelay;

@@ -29,6 +29,7 @@ package Effects "Physical effects that a model may lack"
   //   of=state              the input is bound to that state only; of a measured variable, to any
   //   acts=y                equations of the model read this variable of the effect in place of an input of the model, to
   //                         which the first input of the effect is bound
+  //   order=first           of several such effects on one input, this one reads the recording itself
   // Without `host`, connectors of a model may be of another class, its own or that of a library, if they mean the same:
   // one potential and one flow with the units of the effect's connector, or where none are declared, with its names. The
   // model is then extended by an adapter.

@@ -29,8 +29,24 @@ pub struct Adapters {
     components: Vec<(Adapter, String)>,
 }
 
+/// The connector of effects for connections of which no domain of the library knows.
+const ANY: &str = "Effects.AnyPort";
+
+/// The domains of the library whose effects are attached by what their connectors mean: potential and flow, each with
+/// its name and unit.
+const DOMAINS: [[(&str, &str); 2]; 5] = [
+    [("p", "Pa"), ("m_flow", "kg/s")],
+    [("s", "m"), ("f", "N")],
+    [("phi", "rad"), ("tau", "N.m")],
+    [("v", "V"), ("i", "A")],
+    [("T", "K"), ("Q_flow", "W")],
+];
+
 /// Whether a connector of an effect can be attached to a connector of a model, perhaps by an adapter.
 pub fn is_compatible(effect: &InventoryConnector, model: &InventoryConnector) -> bool {
+    if effect.class == ANY {
+        return model.pair.as_ref().is_some_and(|pair| !has_domain(pair));
+    }
     let of_pairs = |a: &PotentialFlow, b: &PotentialFlow| {
         is_same_quantity(&a.potential, &b.potential) && is_same_quantity(&a.flow, &b.flow)
     };
@@ -49,6 +65,22 @@ pub fn adapter(
     }
     let of = |c: &InventoryConnector| Some((c.class.clone(), c.pair.clone()?));
     Some(Adapter { end, effect: of(effect)?, model: of(model)? })
+}
+
+/// Whether two connectors can be the ends of one effect.
+pub fn is_alike(
+    effect: &InventoryConnector,
+    a: &InventoryConnector,
+    b: &InventoryConnector,
+) -> bool {
+    effect.class != ANY || a.class == b.class
+}
+
+fn has_domain(pair: &PotentialFlow) -> bool {
+    let is = |(name, unit): (&str, &str), own: &ConnectorVariable| {
+        is_same_quantity(&ConnectorVariable { name: name.to_owned(), unit: unit.to_owned() }, own)
+    };
+    DOMAINS.iter().any(|[potential, flow]| is(*potential, &pair.potential) && is(*flow, &pair.flow))
 }
 
 fn is_same_quantity(a: &ConnectorVariable, b: &ConnectorVariable) -> bool {
@@ -164,6 +196,17 @@ mod tests {
         assert!(is_compatible(&flange, &none), "the same class");
         let other = InventoryConnector { class: "Other".to_owned(), ..none };
         assert!(!is_compatible(&flange, &other));
+    }
+
+    #[test]
+    fn connections_of_other_domains_have_effects_of_any_kind() {
+        let any = connector(ANY, ("e", ""), ("f", ""));
+        let fits = |potential, flow| is_compatible(&any, &connector("Port", potential, flow));
+        assert!(fits(("h", "m"), ("q", "m3/s")));
+        assert!(fits(("p", "Pa"), ("q", "m3/s")));
+        assert!(fits(("c", ""), ("r", "")));
+        assert!(!fits(("T", "K"), ("Q", "W")));
+        assert!(!fits(("v", ""), ("i", "")));
     }
 
     #[test]

@@ -55,6 +55,8 @@ pub struct Effect {
     pub is_of_state: bool,
     /// Of an effect that acts on an input of the model: its output, which the model reads instead.
     pub acts: Option<String>,
+    /// Of such an effect: it reads the recording itself, before all others that act on the same input.
+    pub is_first: bool,
     /// Of an effect that is another law: how it is chosen.
     pub choice: Option<Choice>,
     /// Of a free curve: how a formula takes its place.
@@ -398,6 +400,7 @@ fn read(class: &str, text: &str, role: Role) -> Result<Effect, String> {
             "named" => effect.named = Some(value.trim().to_owned()),
             "varies" => effect.varies = Some(value.trim().to_owned()),
             "acts" => effect.acts = Some(value.trim().to_owned()),
+            "order" => effect.is_first = value.trim() == "first",
             "adds" => effect.adds = Some(value.trim().to_owned()),
             "of" if value.trim() == "state" => effect.is_of_state = true,
             "over" => effect.over = items.map(str::to_owned).collect(),

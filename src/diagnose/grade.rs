@@ -13,6 +13,9 @@ pub enum Grade {
     Curve,
     /// Other effects explain the recordings as well.
     Indistinguishable,
+    /// It explains most of what the model misses, but the residuals that remain are no noise: there is more to find, and
+    /// that may change this.
+    Partial,
 }
 
 impl Grade {
@@ -22,6 +25,7 @@ impl Grade {
             Grade::Established => "established",
             Grade::Curve => "curve",
             Grade::Indistinguishable => "indistinguishable",
+            Grade::Partial => "partial",
         }
     }
 
@@ -32,6 +36,9 @@ impl Grade {
             Grade::Curve => "a curve that stands for a law which is not known",
             Grade::Indistinguishable => {
                 "cannot be distinguished from other effects that explain as much"
+            }
+            Grade::Partial => {
+                "not established: it explains most of the misfit, but the residuals are still no noise"
             }
         }
     }
@@ -55,5 +62,9 @@ pub fn grade(outcome: &Outcome, group: &[ChosenEffect]) -> Option<Grade> {
     let is_curve = study.is_curve(first.effect) || effect.formula.is_some();
     let is_vague =
         is_curve || effect.varies.is_some() || effect.is_product() || !after.is_determined(study);
-    Some(if is_vague { Grade::Curve } else { Grade::Established })
+    Some(match is_vague {
+        true => Grade::Curve,
+        false if !outcome.diagnosis.leaves_noise(&study.policy) => Grade::Partial,
+        false => Grade::Established,
+    })
 }

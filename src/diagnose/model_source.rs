@@ -195,11 +195,12 @@ fn additions(attached: &[Attached<'_>]) -> Option<String> {
 
 /// The entry of the annotation `__mocc` that leads inputs through effects, if one acts on them.
 fn passages(attached: &[Attached<'_>]) -> Option<String> {
-    let of = |a: &Attached<'_>| {
+    let of = |a: &&Attached<'_>| {
         let (output, (_, input)) = (a.effect.acts.as_ref()?, a.place.binds.first()?);
         Some(format!("{input} = {}.{output}", a.name))
     };
-    let all: Vec<String> = attached.iter().filter_map(of).collect();
+    let (first, others): (Vec<_>, Vec<_>) = attached.iter().partition(|a| a.effect.is_first);
+    let all: Vec<String> = first.iter().chain(&others).filter_map(of).collect();
     (!all.is_empty()).then(|| format!("through = \"{}\"", all.join(", ")))
 }
 

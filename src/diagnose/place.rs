@@ -5,7 +5,7 @@ use crate::base::index::FastSet;
 use crate::calibrate::plan::Plan;
 use crate::flatten::inventory::{Inventory, InventoryConnector, InventoryPart};
 
-use super::adapter::{Adapter, adapter, is_compatible};
+use super::adapter::{Adapter, adapter, is_alike, is_compatible};
 use super::catalogue::Effect;
 
 /// A way to attach an effect.
@@ -212,7 +212,9 @@ fn pairs(a: &InventoryConnector, b: &InventoryConnector, inventory: &Inventory) 
     };
     for part in &parts {
         let own: Vec<&InventoryConnector> = alike(part, a).collect();
-        if let [x, y] = own.as_slice() {
+        if let [x, y] = own.as_slice()
+            && is_alike(a, x, y)
+        {
             add(part, (part, x), (part, y));
         }
     }

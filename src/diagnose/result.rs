@@ -39,23 +39,28 @@ impl Diagnosis {
     pub fn verdict(&self, policy: &SearchPolicy) -> Verdict {
         let (before, after) = (self.before.chi2_validation(), self.after.chi2_validation());
         let left = after.max(self.after.chi2_train());
-        let limit = |sums: &Sums| policy.validation_limit(sums.count());
         if self.after.effects.is_empty() {
             let limit = 1.0 + 2.0 * (policy.resolved_train - 1.0);
             let complete = self.before.chi2_train() < limit || self.noise.is_all();
             return if complete { Verdict::Complete } else { Verdict::Unexplained };
         }
         let explained = (before - after) / (before - 1.0).max(f64::MIN_POSITIVE);
-        let resolved = self.after.chi2_train() < limit(&self.after.train)
-            && after < limit(&self.after.validation);
-        if resolved
-            || self.noise.is_all()
+        if self.leaves_noise(policy)
             || explained >= policy.explained_share && left < policy.explained_limit
         {
             Verdict::EffectFound
         } else {
             Verdict::Unexplained
         }
+    }
+
+    /// True if the residuals that remain are those of the sensors' noise.
+    pub fn leaves_noise(&self, policy: &SearchPolicy) -> bool {
+        let is_noise = |sums: &Sums, chi2: f64| chi2 < policy.validation_limit(sums.count());
+        let (train, validation) = (&self.after.train, &self.after.validation);
+        let is_resolved = is_noise(train, self.after.chi2_train())
+            && is_noise(validation, self.after.chi2_validation());
+        is_resolved || self.noise.is_all()
     }
 
     /// The verdict with its evidence, in one line.

@@ -177,8 +177,7 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         known.is_none_or(|s| s.gain > policy.alternative_promise * greatest)
     };
     let ranking = rank_instead(search, &current, &diagnosis.before, &|effect, place| {
-        let admissible = !search.study.is_curve(effect) && (of_sensor || place.signal.is_none());
-        admissible && was_promising(effect, place)
+        !search.study.is_curve(effect) && was_promising(effect, place)
     });
     let is_own = |s: &Scored| {
         let own = |c: &ChosenEffect| {
@@ -222,7 +221,10 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         let preferred = fewer || simpler || named;
         // Nor does a parameter that varies replace a named law that explains as much.
         let is_vague = !is_varied && ends_with_variation(search.study, h);
-        gained > policy.evidence || gained > -policy.evidence && preferred && !is_vague
+        // A sensor is a rival, and blamed only if nothing else is.
+        let is_last = !of_sensor && h.effects.iter().any(|c| c.place.signal.is_some());
+        !is_last
+            && (gained > policy.evidence || gained > -policy.evidence && preferred && !is_vague)
     };
     let best = hypotheses.iter().position(better).map(|k| hypotheses.remove(k));
     diagnosis.rejected.extend(hypotheses.into_iter().chain(distant));

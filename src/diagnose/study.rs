@@ -17,7 +17,7 @@ use super::model_source::{Attached, Extension};
 use super::place::{Place, places};
 use super::policy::SearchPolicy;
 use super::result::unit;
-use super::variation::{VariationTargets, number_recordings, states};
+use super::variation::{VariationTargets, number_recordings, states, states_with_named_rates};
 
 /// Name of the generated model that has effects attached.
 const TRIAL_MODEL: &str = "Trial";
@@ -54,6 +54,8 @@ pub struct Study {
     pub terms: EquationTerms,
     /// Number of states of the model.
     pub states: usize,
+    /// Those with a rate that is a variable of its own: what may be an angle where nothing has a unit.
+    pub angles: FastSet<String>,
     /// Limits, thresholds and stopping rules.
     pub policy: SearchPolicy,
 }
@@ -95,6 +97,10 @@ impl Study {
             units: units.into_iter().collect(),
             corrections: Vec::new(),
             states: states(flat).len(),
+            angles: states_with_named_rates(flat)
+                .into_iter()
+                .map(|v| flat.variables[v].name.clone())
+                .collect(),
             plan,
             request,
             data,
@@ -156,7 +162,14 @@ impl Study {
             let own = unit(effect, input);
             own.is_empty() || own == self.unit(variable)
         };
-        !has_units || place.binds.iter().all(fits)
+        // Where nothing has a unit, an angle is what has a speed of its own.
+        let may_be_angle = |(input, variable): &(String, String)| {
+            unit(effect, input) != "rad" || self.angles.contains(variable)
+        };
+        match has_units {
+            true => place.binds.iter().all(fits),
+            false => place.binds.iter().all(may_be_angle),
+        }
     }
 
     /// Candidates in one model of a score test. Each may add states to a small model, and the cost of a step grows with

@@ -5,12 +5,12 @@
 //! together as well, because one phenomenon often changes several of them alike. As a free curve, a parameter varies
 //! alone.
 
-use crate::base::index::FastSet;
+use crate::base::index::{FastMap, FastSet};
 use crate::calibrate::data::{Data, Split};
 use crate::calibrate::plan::{Plan, RECORDING_NUMBER};
 use crate::calibrate::recording_number;
-use crate::ir::expr::{Node, Type, VarId};
-use crate::ir::flat::{FlatModel, Variability};
+use crate::ir::expr::{ExprId, Node, Type, VarId};
+use crate::ir::flat::{EquationKind, FlatModel, Variability};
 
 use super::place::Place;
 
@@ -35,6 +35,8 @@ pub struct VariationTargets {
     /// Parameters that keep their values during a run, so that they vary from one recording to the next only: those of an
     /// FMU that are not tunable.
     pub fixed: FastSet<String>,
+    /// Parameters with variables that they determine directly, as in `F = c*s`: `c` over `F` would be its own cause.
+    circular: FastSet<(String, String)>,
 }
 
 impl VariationTargets {
@@ -43,7 +45,8 @@ impl VariationTargets {
         let (parameters, single) = parameters(flat, plan);
         let (variables, conditions) = (variables(flat, plan), conditions(flat, plan, data));
         let fixed = plan.fmu.iter().flat_map(|fmu| fmu.fixed.iter().cloned()).collect();
-        VariationTargets { parameters, single, variables, conditions, fixed }
+        let circular = circular(flat, &parameters[..single], &variables);
+        VariationTargets { parameters, single, variables, conditions, fixed, circular }
     }
 
     /// Every set of parameters with every variable and condition, for an effect whose input is named `input`.
@@ -65,8 +68,57 @@ impl VariationTargets {
     /// Whether the parameters of a place may follow its variable.
     fn can_vary(&self, place: &Place) -> bool {
         let during_a_run = place.binds.iter().any(|(_, over)| !self.conditions.contains(over));
-        !(during_a_run && place.at.iter().any(|parameter| self.fixed.contains(parameter)))
+        let is_fixed = |parameter| during_a_run && self.fixed.contains(parameter);
+        let determines = |parameter: &String| {
+            let pair = |over: &String| (parameter.clone(), over.clone());
+            place.binds.iter().any(|(_, over)| self.circular.contains(&pair(over)))
+        };
+        !place.at.iter().any(|parameter| is_fixed(parameter) || determines(parameter))
     }
+}
+
+/// The pairs of a parameter and a variable whose own equation, `v = ...`, reads the parameter.
+fn circular(
+    flat: &FlatModel,
+    parameters: &[Vec<String>],
+    variables: &[String],
+) -> FastSet<(String, String)> {
+    let mut determined: FastMap<VarId, Vec<ExprId>> = FastMap::default();
+    for (v, x) in flat.variables.enumerate() {
+        determined.entry(v).or_default().extend(x.binding);
+    }
+    for equation in &flat.equations {
+        let EquationKind::Equal(lhs, rhs) = equation.kind else { continue };
+        for (side, other) in [(lhs, rhs), (rhs, lhs)] {
+            if let Node::Var(v) = flat.graph.node(side) {
+                determined.entry(v).or_default().push(other);
+            }
+        }
+    }
+    let named = |name: &String| flat.variables.enumerate().find(|(_, x)| x.name == *name);
+    let mut out = FastSet::default();
+    for variable in variables {
+        let Some((v, _)) = named(variable) else { continue };
+        let own = determined.get(&v).into_iter().flatten();
+        let read: FastSet<VarId> = own.flat_map(|e| flat.graph.variables(*e)).collect();
+        let read = |name: &&String| named(name).is_some_and(|(p, _)| read.contains(&p));
+        let pairs = parameters.iter().flatten().filter(read);
+        out.extend(pairs.map(|parameter| (parameter.clone(), variable.clone())));
+    }
+    out
+}
+
+/// The states whose rate is a variable of its own, as that of an angle is the speed.
+pub fn states_with_named_rates(flat: &FlatModel) -> Vec<VarId> {
+    let of = |(a, b): (ExprId, ExprId)| match (flat.graph.node(a), flat.graph.node(b)) {
+        (Node::Der(state), Node::Var(_)) => Some(state),
+        _ => None,
+    };
+    let sides = flat.equations.iter().filter_map(|e| match e.kind {
+        EquationKind::Equal(lhs, rhs) => of((lhs, rhs)).or_else(|| of((rhs, lhs))),
+        _ => None,
+    });
+    sides.collect()
 }
 
 fn combinations(parameters: &[Vec<String>], over: &[&String], input: &str) -> Vec<Place> {

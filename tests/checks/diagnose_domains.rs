@@ -368,6 +368,21 @@ fn an_actuator_with_a_lag_is_found() {
     assert_found(&found, &scratch, "Effects.ActuatorLag", "P", &[("T", 12.0, 0.3)]);
 }
 
+/// A heating that acts 7 s after it is asked. In a linear model a sensor that reads late would do the same.
+#[test]
+fn an_actuator_with_a_dead_time_is_found() {
+    let study = Study {
+        model: "oven",
+        truth: "late_truth",
+        conditions: &[("A", &[20.0, 50.0, 80.0, 40.0])],
+        signals: &[("T", "K", 0.05)],
+        free: &["G", "C"],
+        inputs: &[("P", "asked")],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "Effects.ActuatorDelay", "P", &[("t_d", 7.0, 0.1)]);
+}
+
 /// An amplifier that gives no more than 30 W.
 #[test]
 fn an_actuator_that_saturates_is_found() {

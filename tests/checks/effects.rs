@@ -134,7 +134,8 @@ fn same(run: &Trajectory, base: &Trajectory, name: &str) {
 /// The score test needs the derivative of a run by an amplitude at 0.
 #[test]
 fn a_run_has_derivatives_by_every_amplitude_at_zero() {
-    for effect in effects() {
+    // Only a recorded input has a derivative by its delay: see `an_actuator_with_a_dead_time_is_found`.
+    for effect in effects().into_iter().filter(|e| e.name != "ActuatorDelay") {
         let compiled = absent(&format!("Absent.{}", effect.name));
         let variables = &compiled.program.blocks.dae.variables;
         for amplitude in effect.amplitudes() {
@@ -143,7 +144,10 @@ fn a_run_has_derivatives_by_every_amplitude_at_zero() {
             let is = |name: &str| variables.enumerate().any(|(_, v)| v.name == name);
             let input = if is(&whole) { whole } else { first };
             let run = compiled.differentiate(&[input.as_str()]);
-            let observed = match ["Sensor", "ActuatorLag"].iter().any(|n| effect.name.contains(n)) {
+            let observed = match ["Sensor", "ActuatorLag", "ActuatorHysteresis"]
+                .iter()
+                .any(|n| effect.name.contains(n))
+            {
                 true => "effect.y",
                 false if is("observed") => "observed",
                 false => "s",

@@ -12,6 +12,33 @@ package EffectTests
     Boolean compared = true "Whether the closed form holds now";
   end Check;
 
+  model Store "What holds a capacity times its potential"
+    parameter Real C = 1 "Capacity";
+    parameter Real e_start = 1 "Potential at the start";
+    Real e(start = e_start, fixed = true) "Potential";
+    Effects.AnyPort port;
+  equation
+    port.e = e;
+    C*der(e) = port.f;
+  end Store;
+
+  partial model OnStore "A store that empties"
+    extends Check;
+    Store store(C = 2);
+  equation
+    found = {store.e};
+  end OnStore;
+
+  partial model BetweenStores "Two stores that become equal"
+    extends Check(n = 2);
+    Store upper;
+    Store lower(e_start = 0);
+    Real difference "Of the potentials";
+  equation
+    found = {upper.e, lower.e};
+    exact = {(1 + difference)/2, (1 - difference)/2};
+  end BetweenStores;
+
   partial model OnMass "A free mass"
     extends Check;
     parameter Real s_0 = 0 "Position at the start, m";
@@ -570,6 +597,98 @@ package EffectTests
       exact = {8e5*(1 - K/(1 + K)*(1 - exp(-(1 + K)*time/0.05)))};
       annotation(experiment(StopTime = 0.2, Tolerance = 1e-9));
     end Source;
+
+    model ConstantOutflow
+      extends OnStore;
+      Effects.ConstantOutflow effect(F = 0.4);
+    equation
+      connect(effect.port, store.port);
+      exact = {1 - 0.2*time};
+      annotation(experiment(StopTime = 4, Tolerance = 1e-10));
+    end ConstantOutflow;
+
+    model LinearOutflow
+      extends OnStore;
+      Effects.LinearOutflow effect(k = 0.6);
+    equation
+      connect(effect.port, store.port);
+      exact = {exp(-0.3*time)};
+      annotation(experiment(StopTime = 4, Tolerance = 1e-10));
+    end LinearOutflow;
+
+    model QuadraticOutflow
+      extends OnStore;
+      Effects.QuadraticOutflow effect(k = 0.6);
+    equation
+      connect(effect.port, store.port);
+      exact = {1/(1 + 0.3*time)};
+      annotation(experiment(StopTime = 4, Tolerance = 1e-10));
+    end QuadraticOutflow;
+
+    model RootOutflow
+      extends OnStore;
+      Effects.RootOutflow effect(k = 0.6, delta = 1e-12);
+    equation
+      connect(effect.port, store.port);
+      exact = {(1 - 0.15*time)^2};
+      annotation(experiment(StopTime = 4, Tolerance = 1e-10));
+    end RootOutflow;
+
+    model FreeOutflow
+      extends OnStore;
+      // Knots on a straight line.
+      Effects.FreeOutflow effect(F = 0.1*{0, 1, 2, 3, 4, 5, 6});
+    equation
+      connect(effect.port, store.port);
+      exact = {exp(-0.3*time)};
+      annotation(experiment(StopTime = 4, Tolerance = 1e-10));
+    end FreeOutflow;
+
+    model LinearBypass
+      extends BetweenStores;
+      Effects.LinearBypass effect(k = 0.3);
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+      difference = exp(-0.6*time);
+      annotation(experiment(StopTime = 4, Tolerance = 1e-10));
+    end LinearBypass;
+
+    model QuadraticBypass
+      extends BetweenStores;
+      Effects.QuadraticBypass effect(k = 0.3);
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+      difference = 1/(1 + 0.6*time);
+      annotation(experiment(StopTime = 4, Tolerance = 1e-10));
+    end QuadraticBypass;
+
+    model RootBypass
+      extends BetweenStores;
+      Effects.RootBypass effect(k = 0.2, delta = 1e-12);
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+      difference = (1 - 0.2*time)^2;
+      annotation(experiment(StopTime = 4, Tolerance = 1e-10));
+    end RootBypass;
+
+    model FreeBypass
+      extends BetweenStores;
+      // Knots on a straight line.
+      Effects.FreeBypass effect(F = 0.05*{0, 1, 2, 3, 4, 5, 6});
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+      difference = exp(-0.6*time);
+      annotation(experiment(StopTime = 4, Tolerance = 1e-10));
+    end FreeBypass;
+
+    model SensorDrift
+      extends Check;
+      Effects.SensorDrift effect(r = 0.3, u = 2);
+    equation
+      found = {effect.y};
+      exact = {2 + 0.3*time};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end SensorDrift;
 
     model SensorOffset
       extends Check;
@@ -1460,6 +1579,21 @@ package EffectTests
     annotation(experiment(StopTime = 0.08, Interval = 1e-4, Tolerance = 1e-9));
   end Base;
 
+  model BesideStores "The same, and two stores that become equal, twice"
+    extends Base;
+    Store upper(C = 2);
+    Store lower(e_start = 0);
+    Store upper_2(C = 2);
+    Store lower_2(e_start = 0);
+    Effects.LinearBypass line(k = 20);
+    Effects.LinearBypass line_2(k = 20);
+    Real observed = lower.e;
+    Real twin     = lower_2.e;
+  equation
+    connect(line.port_a, upper.port);      connect(line.port_b, lower.port);
+    connect(line_2.port_a, upper_2.port);  connect(line_2.port_b, lower_2.port);
+  end BesideStores;
+
   model BesideTanks "The same, and two tanks"
     extends Base;
     Tanks.Tank   upper(h_start = 2);
@@ -1776,6 +1910,74 @@ package EffectTests
     equation
       connect(effect.port, chamber.port);
     end WallHeat;
+
+    model ConstantOutflow
+      extends BesideStores;
+      Effects.ConstantOutflow effect;
+    equation
+      connect(effect.port, lower.port);
+    end ConstantOutflow;
+
+    model LinearOutflow
+      extends BesideStores;
+      Effects.LinearOutflow effect;
+    equation
+      connect(effect.port, lower.port);
+    end LinearOutflow;
+
+    model QuadraticOutflow
+      extends BesideStores;
+      Effects.QuadraticOutflow effect;
+    equation
+      connect(effect.port, lower.port);
+    end QuadraticOutflow;
+
+    model RootOutflow
+      extends BesideStores;
+      Effects.RootOutflow effect;
+    equation
+      connect(effect.port, lower.port);
+    end RootOutflow;
+
+    model FreeOutflow
+      extends BesideStores;
+      Effects.FreeOutflow effect;
+    equation
+      connect(effect.port, lower.port);
+    end FreeOutflow;
+
+    model LinearBypass
+      extends BesideStores;
+      Effects.LinearBypass effect;
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+    end LinearBypass;
+
+    model QuadraticBypass
+      extends BesideStores;
+      Effects.QuadraticBypass effect;
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+    end QuadraticBypass;
+
+    model RootBypass
+      extends BesideStores;
+      Effects.RootBypass effect;
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+    end RootBypass;
+
+    model FreeBypass
+      extends BesideStores;
+      Effects.FreeBypass effect;
+    equation
+      connect(effect.port_a, upper.port);  connect(effect.port_b, lower.port);
+    end FreeBypass;
+
+    model SensorDrift
+      extends Base;
+      Effects.SensorDrift effect(u = s);
+    end SensorDrift;
 
     model SensorOffset
       extends Base;

@@ -374,6 +374,17 @@ equation
   annotation(experiment(StopTime = 500, Interval = 2));
 end Truth;
 
+//@ case late_truth
+//@ used by diagnose_domains.rs
+model Truth "The heating acts 7 s after it is asked"
+  parameter Real A = 40;
+  Real asked = A*(1 + sin(time/20 + time^2/8000))/2;
+  Real T(start = 290, fixed = true);
+equation
+  60*der(T) = delay(asked, 7) - 0.5*(T - 290);
+  annotation(experiment(StopTime = 500, Interval = 2));
+end Truth;
+
 //@ case amplifier_truth
 //@ used by diagnose_domains.rs
 model Truth "The amplifier gives no more than 30 W"
