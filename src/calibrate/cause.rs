@@ -36,6 +36,10 @@ causes! {
         error MO1018 DrivenTwice { input: String, first: String }
             => ("`{input}` is already driven by `{first}`"),
             help("only one column can drive an input: remove the other one");
+        /// No column drives an input.
+        warning MO1050 NotDriven { input: String }
+            => ("no column drives the input `{input}`, so it keeps its start value"),
+            help("[inputs]: COLUMN = {{ input = \"{input}\", unit = \"...\", interpolation = \"linear\" }}");
         /// A plan has no signals.
         error MO1031 NoSignals
             => ("the plan has no signals"),

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::SourceMap;
 use crate::codegen::recording;
+use crate::ir::dae::VariableKind;
 use crate::ir::expr::VarId;
 use crate::ir::program::Program;
 use crate::runtime::jit::tiering::Execution;
@@ -133,7 +134,9 @@ impl<'a> Problem<'a> {
         let variables = &program.blocks.dae.variables;
         let named = |name: &str| variables.enumerate().find(|(_, v)| v.name == name);
         // The compiler has checked that they exist.
-        let driven = plan.inputs.iter().filter_map(|i| Some(named(&i.input)?.0)).collect();
+        let driven: Vec<VarId> =
+            plan.inputs.iter().filter_map(|i| Some(named(&i.input)?.0)).collect();
+        warn_of_undriven(program, plan, &driven, problems);
         let channels = channels(program, plan, data, problems);
         let mut machine = Machine::new(program);
         let evaluated = machine.run(&program.tapes.parameters).is_ok();
@@ -241,6 +244,20 @@ fn conditions(program: &Program, plan: &Plan, problems: &mut Problems) -> Vec<Op
         }
     }
     out
+}
+
+/// Warns of inputs of the model that neither columns nor start values of the plan determine.
+fn warn_of_undriven(program: &Program, plan: &Plan, driven: &[VarId], problems: &mut Problems) {
+    for (v, x) in program.blocks.dae.variables.enumerate() {
+        let is_open = x.kind == VariableKind::Input && !x.name.contains(['.', '[']) && !x.hidden;
+        let start = format!("start({})", x.name);
+        let is_set =
+            plan.starts.iter().any(|s| s.target == start) || plan.targets().contains(&start);
+        if is_open && !driven.contains(&v) && !is_set {
+            let cause = PlanCause::NotDriven { input: x.name.clone() };
+            problems.push(Diagnostic::new(cause, x.span));
+        }
+    }
 }
 
 /// The variables of the signals.

@@ -7,6 +7,7 @@ use std::fmt::Write;
 
 use super::unit::Unit;
 use crate::io::csv::TextTable;
+use crate::ir::ast::Causality;
 use crate::ir::expr::{Const, Type};
 use crate::ir::flat::{FlatModel, Variability, Variable};
 use crate::units::dimension::Dimension;
@@ -52,11 +53,20 @@ pub fn skeleton(
         unit.filter(|(_, unit)| unit.dimension == Dimension::TIME).map_or("s".into(), |u| u.0);
     let _ = write!(
         out,
-        "\n[time]\ncolumn = {}\nunit = {}\n\n[signals]\n",
+        "\n[time]\ncolumn = {}\nunit = {}\n",
         quoted(&first.names[time]),
         quoted(&unit)
     );
-    for column in first.names.iter().enumerate().filter(|(k, _)| *k != time).map(|(_, name)| name) {
+    let driving = inputs(&mut out, flat, first, time);
+    out.push_str("\n[signals]\n");
+    let is_driving = |k: usize| driving.contains(&k);
+    for column in first
+        .names
+        .iter()
+        .enumerate()
+        .filter(|(k, _)| *k != time && !is_driving(*k))
+        .map(|(_, name)| name)
+    {
         let is_signal = |v: &Variable| {
             v.ty == Type::Real
                 && v.variability == Variability::Continuous
@@ -85,6 +95,38 @@ pub fn skeleton(
         let _ = writeln!(out, "{} = {{ min = {min}, max = {max} }}", key(&variable.name));
     }
     Ok(out)
+}
+
+/// The columns that drive inputs of the model; their positions.
+fn inputs(out: &mut String, flat: &FlatModel, table: &TextTable, time: usize) -> Vec<usize> {
+    let is_input = |v: &Variable| {
+        let is_open = v.causality == Some(Causality::Input) && v.binding.is_none();
+        is_open && v.ty == Type::Real && !v.name.contains('.')
+    };
+    let mut lines = String::new();
+    let mut driving = Vec::new();
+    for (k, column) in table.names.iter().enumerate().filter(|(k, _)| *k != time) {
+        let Some((input, unit)) = matched(flat, column, is_input) else { continue };
+        let interpolation = if is_held(table, k) { "hold" } else { "linear" };
+        let (input, unit) = (quoted(&input.name), quoted(&unit));
+        let _ = writeln!(
+            lines,
+            "{} = {{ input = {input}, unit = {unit}, interpolation = \"{interpolation}\" }}",
+            key(column)
+        );
+        driving.push(k);
+    }
+    if !lines.is_empty() {
+        let _ = write!(out, "\n[inputs]\n{lines}");
+    }
+    driving
+}
+
+/// True for a column that keeps its value from most rows to the next, as a digital output does.
+fn is_held(table: &TextTable, column: usize) -> bool {
+    let values: Vec<&str> = table.rows.iter().map(|(_, row)| row[column].as_str()).collect();
+    let changes = values.windows(2).filter(|w| w[0] != w[1]).count();
+    2 * changes < values.len()
 }
 
 /// The table of the recordings, and the columns of it that set parameters.

@@ -193,7 +193,8 @@ fn component(effect: &Effect) -> String {
 
 /// The variables that the law of an effect depends on.
 fn over(effect: &Effect, group: &[ChosenEffect]) -> Vec<String> {
-    match effect.has_free_inputs() {
+    let is_of_instrument = effect.of_signal || effect.acts.is_some();
+    match effect.has_free_inputs() || is_of_instrument {
         true => group[0].place.binds.iter().map(|(_, variable)| variable.clone()).collect(),
         false => effect.over.clone(),
     }

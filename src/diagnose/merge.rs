@@ -6,9 +6,10 @@ use crate::calibrate::problem::Problem;
 
 use super::backward_elimination::without;
 use super::candidate_fit::CandidateFits;
-use super::hypothesis::{Hypothesis, attach, groups};
+use super::formula_fit::formula_instead;
+use super::hypothesis::{ChosenEffect, Hypothesis, attach, groups};
 use super::place::Place;
-use super::rank::Scored;
+use super::rank::{Scored, rank_instead};
 use super::result::Diagnosis;
 use super::revise::{accept_first_better, accept_instead, neighbours, not_fitted, stripped};
 use super::search::Search;
@@ -45,6 +46,52 @@ pub fn merge_variations(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         }
         accept_instead(search, diagnosis, merged);
     }
+}
+
+/// Replaces two laws by which one parameter varies over one variable by a single curve or formula, if that explains as
+/// much: both are the same law, of which the first found only a part.
+pub fn merge_laws_of_one_parameter(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    while let Some(single) = single_law(search, diagnosis) {
+        let limit = diagnosis.after.total_criterion() + search.policy().evidence;
+        if single.total_criterion() >= limit {
+            break;
+        }
+        search.note("one law in place of two of the same parameter");
+        accept_instead(search, diagnosis, single);
+    }
+}
+
+/// The best hypothesis with one law in place of two that vary the same parameter over the same variable.
+fn single_law(search: &Search<'_>, diagnosis: &Diagnosis) -> Option<Hypothesis> {
+    let (study, after) = (search.study, &diagnosis.after);
+    let all: Vec<&ChosenEffect> = groups(&after.effects).map(|group| &group[0]).collect();
+    let varies = |c: &ChosenEffect| study.effects[c.effect].varies.is_some();
+    let is_same = |a: &ChosenEffect, b: &ChosenEffect| {
+        varies(a) && varies(b) && a.place.at == b.place.at && a.place.binds == b.place.binds
+    };
+    let (first, second) = all.iter().enumerate().find_map(|(j, second)| {
+        let first = all[..j].iter().find(|first| is_same(first, second))?;
+        Some((*first, *second))
+    })?;
+    let place = first.place.clone();
+    let names = [first.name.clone(), second.name.clone()];
+    let rest = without(study, after, &names, &mut |p| not_fitted(p))?;
+    let is_law = |effect: usize, at: &Place| {
+        let own = &study.effects[effect];
+        own.varies.is_some() && at.at == place.at && at.binds == place.binds
+    };
+    let ranking = rank_instead(search, after, &rest, &is_law);
+    let proposals: Vec<Vec<Scored>> = ranking.into_iter().map(|s| vec![s]).collect();
+    let depth = groups(&rest.effects).count();
+    let fits =
+        CandidateFits { search, from: &rest, proposals: &proposals, depth, give_up_above: None };
+    let mut hypotheses = fits.run();
+    let formulas: Vec<Hypothesis> = hypotheses
+        .iter()
+        .filter_map(|h| formula_instead(search, h, h.effects.len().checked_sub(1)?))
+        .collect();
+    hypotheses.extend(formulas);
+    hypotheses.into_iter().min_by(|a, b| a.total_criterion().total_cmp(&b.total_criterion()))
 }
 
 /// The best hypothesis with two of its variations in one.

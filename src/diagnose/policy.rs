@@ -29,6 +29,9 @@ pub struct SearchPolicy {
     /// Reduced sum above which the verdict is `unexplained` even then. Default 3. Above it, effects beyond `usual_effects`
     /// need not explain `second_share`.
     pub explained_limit: f64,
+    /// Share of the excess over noise, of the fitted recordings and of those held out, below which a partial explanation is
+    /// not worth to be named. Default 0.1.
+    pub partial_share: f64,
     /// Decrease of the Bayesian information criterion that counts as evidence. Default 30, well above what
     /// the best of hundreds of places reaches by chance. Smaller values find weaker effects, and false ones.
     pub evidence: f64,
@@ -203,6 +206,7 @@ impl Default for SearchPolicy {
             resolved_deviations: 2.0,
             explained_share: 0.9,
             explained_limit: 3.0,
+            partial_share: 0.1,
             evidence: 30.0,
             structure_limit: 4.5,
             noticeable_noise: 0.05,

@@ -18,13 +18,13 @@ use super::formula_fit::replace_curves;
 use super::forward_selection::forward_selection;
 use super::hypothesis::{Hypothesis, groups, plan_without_effects};
 use super::law_refinement::refine_law;
-use super::merge::{merge_variations, widen_variation};
+use super::merge::{merge_laws_of_one_parameter, merge_variations, widen_variation};
 use super::noise::noise;
 use super::pairwise_selection::pairwise_selection;
 use super::place::Place;
 use super::policy::SearchPolicy;
 use super::rank::Scored;
-use super::result::Diagnosis;
+use super::result::{Diagnosis, Verdict};
 use super::revise::{compare_alternatives, revise, simplify, swap_effects};
 use super::study::{DiagnosisError, Study};
 
@@ -228,11 +228,29 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
         forward_selection(search, &mut diagnosis, usual..max);
     }
     merge_variations(search, &mut diagnosis);
+    merge_laws_of_one_parameter(search, &mut diagnosis);
     simplify(search, &mut diagnosis);
     replace_curves(search, &mut diagnosis);
     eliminate_unsupported(search, &mut diagnosis);
     compare_alternatives(search, &mut diagnosis);
+    drop_worthless(search, &mut diagnosis);
     diagnosis
+}
+
+/// Withdraws a partial explanation that leaves nearly everything to explain.
+fn drop_worthless(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    let policy = search.policy();
+    let (before, after) = (&diagnosis.before, &diagnosis.after);
+    let share = |of: fn(&Hypothesis) -> f64| (of(before) - of(after)) / (of(before) - 1.0);
+    let is_worthless = [Hypothesis::chi2_train, Hypothesis::chi2_validation]
+        .into_iter()
+        .any(|of| share(of) < policy.partial_share);
+    let is_partial = !after.effects.is_empty() && diagnosis.verdict(policy) == Verdict::Unexplained;
+    if is_partial && is_worthless {
+        search.note("what was found explains too little to be named");
+        let after = std::mem::replace(&mut diagnosis.after, diagnosis.before.clone());
+        diagnosis.rejected.push(after);
+    }
 }
 
 /// True if the effects leave white residuals of another size than the plan declares: with its noise corrected, the search

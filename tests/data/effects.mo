@@ -832,6 +832,26 @@ package EffectTests
       annotation(experiment(StopTime = 0.5, Tolerance = 1e-9), __mocc(adds = "der(w) = effect.term"));
     end DryTerm;
 
+    model StribeckTerm
+      extends Check;
+      Real x = 1 + time;
+      Effects.StribeckTerm effect(F = 3, F_s = 2, x_s = 1.5, delta = 0.01, x = x);
+    equation
+      found = {effect.term};
+      exact = {-(3 + 2*exp(-(x/1.5)^2))*(1 - exp(-(time + time^2/2)/0.01))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-10));
+    end StribeckTerm;
+
+    model SmoothStribeckTerm
+      extends Check;
+      Real x = 1 + time;
+      Effects.SmoothStribeckTerm effect(F = 3, F_s = 2, x_s = 1.5, x_0 = 0.8, x = x);
+    equation
+      found = {effect.term};
+      exact = {-(3 + 2*exp(-(x/1.5)^2))*tanh(x/0.8)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-10));
+    end SmoothStribeckTerm;
+
     model SmoothDryTerm
       extends Rotor;
       Effects.SmoothDryTerm effect(F = 3, x_0 = 0.5, x = w);
@@ -963,6 +983,24 @@ package EffectTests
       exact = {if time < 1 then -2 + 0.25*(time - 1) elseif time < 5 then time - 3 else 2 + 0.25*(time - 5)};
       annotation(experiment(StopTime = 6, Tolerance = 1e-9));
     end ActuatorLimit;
+
+    model ActuatorUpperLimit
+      extends Check;
+      Effects.ActuatorUpperLimit effect(a = 0.75, y_max = 2, u = time - 3);
+    equation
+      found = {effect.y};
+      exact = {if time < 5 then time - 3 else 2 + 0.25*(time - 5)};
+      annotation(experiment(StopTime = 6, Tolerance = 1e-9));
+    end ActuatorUpperLimit;
+
+    model ActuatorLowerLimit
+      extends Check;
+      Effects.ActuatorLowerLimit effect(a = 0.75, y_min = -2, u = time - 3);
+    equation
+      found = {effect.y};
+      exact = {if time < 1 then -2 + 0.25*(time - 1) else time - 3};
+      annotation(experiment(StopTime = 6, Tolerance = 1e-9));
+    end ActuatorLowerLimit;
 
     model SensorLimit
       extends Check;
@@ -2049,6 +2087,18 @@ package EffectTests
       annotation(__mocc(adds = "der(observed) = effect.term"));
     end DryTerm;
 
+    model StribeckTerm
+      extends Equation;
+      Effects.StribeckTerm effect(x = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end StribeckTerm;
+
+    model SmoothStribeckTerm
+      extends Equation;
+      Effects.SmoothStribeckTerm effect(x = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end SmoothStribeckTerm;
+
     model SmoothDryTerm
       extends Equation;
       Effects.SmoothDryTerm effect(x = observed);
@@ -2139,6 +2189,18 @@ package EffectTests
       Effects.ActuatorLimit effect(u = u);
       annotation(__mocc(through = "u = effect.y"));
     end ActuatorLimit;
+
+    model ActuatorUpperLimit
+      extends Driven;
+      Effects.ActuatorUpperLimit effect(u = u);
+      annotation(__mocc(through = "u = effect.y"));
+    end ActuatorUpperLimit;
+
+    model ActuatorLowerLimit
+      extends Driven;
+      Effects.ActuatorLowerLimit effect(u = u, y_min = 3);
+      annotation(__mocc(through = "u = effect.y"));
+    end ActuatorLowerLimit;
 
     model SensorLimit
       extends Base;
