@@ -3,7 +3,7 @@
 use crate::base::index::{FastSet, Id};
 use crate::ir::blocks::{Assignment, Block, Source, Torn};
 use crate::ir::dae::VariableKind;
-use crate::ir::expr::{ExprId, Type, VarId};
+use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
 use crate::ir::program::{
     BlockPosition, DiscreteUnknown, Entry, MixedBlock, Op, Slot, TornBlock, source_span,
 };
@@ -130,8 +130,34 @@ pub fn compile_mixed(e: &mut Emitter, parts: &[Block], relations: &[usize], plac
     let first = e.layout.relations;
     discrete_unknowns
         .extend(relations.iter().map(|&k| DiscreteUnknown::Relation(k as u32, first + k as Slot)));
-    e.routines.mixed_blocks.push(MixedBlock { tape, discrete_unknowns, place });
+    let edges = edges_read(e, &own);
+    e.routines.mixed_blocks.push(MixedBlock { tape, discrete_unknowns, edges, place });
     e.push(target, Op::Iterate, 0, (e.routines.mixed_blocks.len() - 1) as Slot, 0);
+}
+
+/// The Boolean variables that the equations of discrete variables read as `b and not pre(b)`, outside of
+/// these variables.
+fn edges_read(e: &mut Emitter, own: &[VarId]) -> Vec<(Slot, Slot)> {
+    let graph = &e.dae.graph;
+    let of_own = e.dae.discrete.iter().filter(|d| own.contains(&d.variable));
+    let is_not_before = |n: ExprId, now: ExprId| match (graph.node(n), graph.node(now)) {
+        (Node::Unary(Unary::Not, before), Node::Var(v)) => graph.node(before) == Node::Pre(v),
+        _ => false,
+    };
+    let mut found: Vec<VarId> = Vec::new();
+    for n in graph.postorder(of_own.map(|d| d.value)) {
+        let Node::Binary(Binary::And, a, b) = graph.node(n) else { continue };
+        for (now, other) in [(a, b), (b, a)] {
+            if let Node::Var(v) = graph.node(now)
+                && is_not_before(other, now)
+                && !own.contains(&v)
+                && !found.contains(&v)
+            {
+                found.push(v);
+            }
+        }
+    }
+    found.into_iter().map(|v| (e.slot(v), e.pre_slot(v))).collect()
 }
 
 /// The slot of the nominal value of a variable; 1 if it has none.

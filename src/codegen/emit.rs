@@ -338,7 +338,7 @@ impl Emitter {
     }
 
     /// `pre` of a variable that is constant between events is the variable itself.
-    fn pre_slot(&mut self, v: VarId) -> Slot {
+    pub fn pre_slot(&mut self, v: VarId) -> Slot {
         self.pre_slots.get(&v).copied().unwrap_or_else(|| self.slot(v))
     }
 

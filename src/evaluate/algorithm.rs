@@ -34,14 +34,21 @@ pub(crate) enum Flow {
 pub struct Exits {
     /// The innermost loop, by `break`.
     pub(crate) broken: Option<ExprId>,
+    /// A loop around it, by `break`.
+    pub(crate) around: Option<ExprId>,
     /// The function, by `return`.
     pub(crate) returned: Option<ExprId>,
 }
 
 impl Exits {
-    /// Both conditions, as far as there are any.
+    /// All conditions, as far as there are any.
     pub(crate) fn all(self) -> impl Iterator<Item = ExprId> {
-        self.broken.into_iter().chain(self.returned)
+        self.loops().chain(self.returned)
+    }
+
+    /// The conditions under which a loop was left by `break`.
+    fn loops(self) -> impl Iterator<Item = ExprId> {
+        self.broken.into_iter().chain(self.around)
     }
 }
 
@@ -97,10 +104,24 @@ impl Evaluator<'_> {
             // A `when` in the wrong place was reported when the class was read.
             StatementKind::When { .. } => return None,
             StatementKind::Break => return Some(Flow::Break),
-            StatementKind::Return => return Some(Flow::Return),
+            StatementKind::Return => return Some(self.run_return()),
             StatementKind::Broken => return None,
         }
         Some(Flow::Next)
+    }
+
+    /// `return`: if a loop was perhaps left before, the function is left where it was not.
+    fn run_return(&mut self) -> Flow {
+        if self.exits.loops().next().is_none() {
+            return Flow::Return;
+        }
+        let reached = self.none_of(self.exits.loops());
+        self.exits.returned = Some(match self.exits.returned {
+            Some(before) => self.graph.or(before, reached),
+            None => reached,
+        });
+        // In either case the rest of the innermost loop is skipped; what follows it checks `exits`.
+        Flow::Break
     }
 
     fn run_call(&mut self, call: &Expr, scope: Scope) -> Option<()> {
@@ -139,9 +160,6 @@ impl Evaluator<'_> {
         let not_c = self.graph.not(c);
         let second = self.under(not_c, |cx| cx.run_if(rest, otherwise, scope, span))?;
         self.merge(c, &after_first, span)?;
-        if first == second && first != Flow::Next {
-            return Some(first);
-        }
         // A branch may leave the loop or function: later statements count only where it did not.
         let left_second = self.exits;
         let all = self.graph.boolean(true);
@@ -158,6 +176,9 @@ impl Evaluator<'_> {
             leaves(first, Flow::Return, left_first.returned),
             leaves(second, Flow::Return, left_second.returned),
         );
+        if first == second {
+            return Some(first);
+        }
         Some(Flow::Next)
     }
 
@@ -236,11 +257,17 @@ impl Evaluator<'_> {
         })
     }
 
-    /// Runs a loop: `break` in it does not leave the loop around it.
+    /// Runs a loop: `break` in it does not leave the loop around it, but it is not reached where
+    /// that was left before.
     fn in_loop<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
-        let outer = self.exits.broken.take();
+        let Exits { broken, around, .. } = self.exits;
+        self.exits.around = match (broken, around) {
+            (Some(broken), Some(around)) => Some(self.graph.or(around, broken)),
+            (broken, around) => broken.or(around),
+        };
+        self.exits.broken = None;
         let result = act(self);
-        self.exits.broken = outer;
+        (self.exits.broken, self.exits.around) = (broken, around);
         result
     }
 

@@ -289,12 +289,12 @@ impl Evaluator<'_> {
             "der" => self.der(args, span, scope),
             "pre" => self.of_variable(args, span, scope, |cx, v, ty| cx.graph.pre(v, ty)),
             "edge" => self.of_variable(args, span, scope, |cx, v, ty| {
-                let (now, before) = (cx.graph.var(v, ty), cx.graph.pre(v, ty));
+                let (now, before) = (cx.value_now(v, ty), cx.graph.pre(v, ty));
                 let not_before = cx.graph.not(before);
                 cx.graph.and(now, not_before)
             }),
             "change" => self.of_variable(args, span, scope, |cx, v, ty| {
-                let (now, before) = (cx.graph.var(v, ty), cx.graph.pre(v, ty));
+                let (now, before) = (cx.value_now(v, ty), cx.graph.pre(v, ty));
                 cx.graph.binary(Binary::NotEqual, now, before)
             }),
             "initial" => Some(Value::Scalar(self.graph.intern(Node::Initial, Type::Boolean))),
@@ -448,6 +448,14 @@ impl Evaluator<'_> {
         let mode = self.mode.unassigned();
         let value = self.with_mode(mode, |cx| cx.one(args, span, scope));
         value?.map(|v| self.of_dynamic(v.scalar()?, span, &act).map(Value::Scalar))
+    }
+
+    /// A variable as an algorithm section reads it where it is being executed.
+    fn value_now(&mut self, v: VarId, ty: Type) -> ExprId {
+        match self.assigned.get(&v) {
+            Some(assigned) => *assigned,
+            None => self.graph.var(v, ty),
+        }
     }
 
     /// As [`Evaluator::of_variable`], for a variable or for one that is selected at run time.

@@ -196,8 +196,10 @@ impl Evaluator<'_> {
     ) -> Option<()> {
         let before = self.assigned.get(&v).copied();
         // Statements after `break` leave a variable as it was.
-        if let (Some(broken), Some(before)) = (self.exits.broken, before) {
-            e = self.graph.if_then_else(broken, before, e);
+        if let Some(before) = before {
+            for left in self.exits.all() {
+                e = self.graph.if_then_else(left, before, e);
+            }
         }
         if let Some(condition) = condition {
             let before = match before {

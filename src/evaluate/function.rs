@@ -58,6 +58,9 @@ impl Evaluator<'_> {
             ClassKind::Record | ClassKind::OperatorRecord => {
                 self.construct(class, args, named, span)
             }
+            _ if let Some(Type::Enumeration(id)) = self.table(class).scalar => {
+                self.literal_of_ordinal(id, args, named, span)
+            }
             _ => {
                 let class = self.classes[class].full_name;
                 self.report(CallCause::NotAFunction { class }, span);
@@ -137,7 +140,7 @@ impl Evaluator<'_> {
     ) -> Option<Value> {
         let left = self.exits;
         // Where its caller was left before, it is not called.
-        let reached = self.neither(left.broken, left.returned);
+        let reached = self.none_of(left.all());
         self.with_exits_closed(|cx| {
             cx.under(reached, |cx| {
                 cx.open_call(class, left);

@@ -34,6 +34,10 @@ pub(crate) enum Synthetic {
     Number(RandomDraw),
     /// The value of a stream variable that flows in.
     InStream(VarId),
+    /// A condition of a when-statement.
+    Condition(ExprId, Span),
+    /// The value that one when-statement of several gives a variable.
+    Assigned(Type, Span),
 }
 
 /// An expression that is delayed by a time that stays.
@@ -144,7 +148,12 @@ impl Evaluator<'_> {
         let after = (v.0 as usize).checked_sub(self.instance_of.len());
         match after.and_then(|k| self.history.synthetic.get(k)) {
             Some(Synthetic::Number(drawing)) if drawing.counter.is_none() => Variability::Parameter,
-            Some(Synthetic::Number(_) | Synthetic::Counter(_)) => Variability::Discrete,
+            Some(
+                Synthetic::Number(_)
+                | Synthetic::Counter(_)
+                | Synthetic::Condition(..)
+                | Synthetic::Assigned(..),
+            ) => Variability::Discrete,
             Some(Synthetic::Delay(_) | Synthetic::InStream(_)) | None => Variability::Continuous,
         }
     }

@@ -21,6 +21,8 @@ pub(super) struct Iteration {
     pub(super) asserts: Vec<Asserted>,
     /// The condition for it.
     pub(super) condition: Option<ExprId>,
+    /// The values of all variables before the loop, which are computed whatever happens in it.
+    pub(super) computed: Vec<ExprId>,
 }
 
 impl Iteration {
@@ -135,7 +137,7 @@ pub(super) fn assertions(graph: &mut Graph, iteration: &Iteration) -> Vec<(Asser
 pub(super) fn function(
     graph: &mut Graph,
     (name, span): (String, Span),
-    Iteration { symbols, next_values, .. }: &Iteration,
+    Iteration { symbols, next_values, computed, .. }: &Iteration,
     condition: ExprId,
     asserts: Vec<(Assert, Span)>,
     purpose: Purpose,
@@ -153,13 +155,19 @@ pub(super) fn function(
         locals.insert(*v, k as u32);
     }
     // Expressions that read a symbol are computed inside, and so are calls in branches that may not
-    // be taken; the largest others become arguments.
+    // be taken, unless they were called before the loop; the largest others become arguments.
     let mut inside: FastSet<ExprId> = FastSet::default();
     let mut calls: FastSet<ExprId> = FastSet::default();
     roots.extend(asserts.iter().flat_map(|(a, _)| [a.condition, a.message]));
-    for n in graph.postorder(roots.iter().copied()) {
+    let nodes = graph.postorder(roots.iter().copied());
+    let is_call = |n: ExprId| matches!(graph.node(n), Node::Call { .. });
+    let called = match nodes.iter().any(|n| is_call(*n) && !always.contains(n)) {
+        true => self::always(graph, computed),
+        false => FastSet::default(),
+    };
+    for n in nodes {
         let mut reads = matches!(graph.node(n), Node::Var(v) if locals.contains_key(&v));
-        let mut has_call = matches!(graph.node(n), Node::Call { .. });
+        let mut has_call = is_call(n) && !called.contains(&n);
         graph.for_each_operand(n, |a| {
             reads |= inside.contains(&a);
             has_call |= calls.contains(&a);

@@ -19,6 +19,7 @@ mod collection;
 pub mod connection_operator;
 pub mod demand;
 mod dynamic_index;
+mod enumeration;
 mod error;
 mod event_behaviour;
 pub mod external;

@@ -450,7 +450,7 @@ impl Evaluator<'_> {
             all = self.graph.and(all, c);
         }
         let exits = self.exits;
-        let left = self.neither(exits.broken, exits.returned);
+        let left = self.none_of(exits.all());
         self.graph.and(all, left)
     }
 

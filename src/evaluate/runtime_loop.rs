@@ -170,8 +170,10 @@ impl Evaluator<'_> {
             let symbolic = iteration.symbol(graph, counter, outside[v]);
             self.assigned.insert(*v, symbolic);
         }
+        before.iter().for_each(|(_, v)| v.for_each_scalar(&mut |e| iteration.computed.push(e)));
+        iteration.computed.extend(outside.values());
         let left = std::mem::take(&mut self.exits);
-        let reached = self.neither(left.broken, left.returned);
+        let reached = self.none_of(left.all());
         // An assertion about an iteration has no place outside of the loop.
         let (run, asserts) = self.collect_assertions(|cx| cx.under(reached, run));
         let (condition, flow) = run?;
@@ -199,8 +201,8 @@ impl Evaluator<'_> {
         for (v, e) in variables.into_iter().zip(next) {
             self.assigned.insert(v, e);
         }
-        self.exits.broken = left.broken;
-        self.exits.returned = if returns { results.last().copied() } else { left.returned };
+        let returned = if returns { results.last().copied() } else { left.returned };
+        self.exits = Exits { returned, ..left };
         Some(())
     }
 
@@ -218,11 +220,11 @@ impl Evaluator<'_> {
         let now = |kind: Flow, part: Option<ExprId>| if flow == kind { Some(sure) } else { part };
         let broken = now(Flow::Break, self.exits.broken);
         let returned = now(Flow::Return, self.exits.returned);
-        if broken.or(returned).or(before.broken).or(before.returned).is_none() {
+        if broken.or(returned).is_none() && before == Exits::default() {
             return (condition, false);
         }
-        let goes_on = self.neither(before.broken, before.returned);
-        let next = self.neither(broken, returned);
+        let goes_on = self.none_of(before.all());
+        let next = self.none_of(broken.into_iter().chain(returned));
         let (graph, counter) = (&mut self.class_graph.graph, &mut self.loops.symbols);
         let goes_on = iteration.symbol(graph, counter, goes_on);
         iteration.next_values.push(next);
@@ -235,10 +237,10 @@ impl Evaluator<'_> {
         (condition, returned.is_some())
     }
 
-    /// `not (a or b)`, of conditions that are false where there is none.
-    pub(crate) fn neither(&mut self, a: Option<ExprId>, b: Option<ExprId>) -> ExprId {
+    /// True if none of these conditions is.
+    pub(crate) fn none_of(&mut self, conditions: impl Iterator<Item = ExprId>) -> ExprId {
         let mut result = self.graph.boolean(true);
-        for c in [a, b].into_iter().flatten() {
+        for c in conditions {
             let not_c = self.graph.not(c);
             result = self.graph.and(result, not_c);
         }

@@ -330,7 +330,7 @@ impl Evaluator<'_> {
     ) -> Option<Value> {
         let outermost = !self.frames.in_function();
         let left = self.exits;
-        let reached = self.neither(left.broken, left.returned);
+        let reached = self.none_of(left.all());
         self.units.unitless_literal |= body.unitless_literal;
         let mut arguments = Vec::with_capacity(body.symbols.len());
         for value in given.iter().flatten() {

@@ -29,6 +29,13 @@ pub fn elaborate(cx: &mut Evaluator<'_>, flat: &mut FlatModel) {
                 flat.delays.push(Delay { variable, time: delay.time, span: delay.span });
             }
             Synthetic::InStream(stream) => super::connect::streams::add_variable(flat, stream),
+            Synthetic::Condition(condition, span) => {
+                let flag = add_synthetic(flat, format!("$condition{}", k + 1), Type::Boolean, span);
+                flat.variables[flag].binding = Some(condition);
+            }
+            Synthetic::Assigned(ty, span) => {
+                add_synthetic(flat, format!("$assigned{}", k + 1), ty, span);
+            }
             Synthetic::Counter(span) => {
                 let zero = cx.graph.integer(0);
                 let counter = add_synthetic(flat, format!("$drawn{}", k + 1), Type::Integer, span);

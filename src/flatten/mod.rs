@@ -5,6 +5,7 @@
 mod algorithm;
 mod clocked;
 pub mod assembly;
+mod assigned;
 pub mod balance;
 pub mod bounds;
 pub mod cause;

@@ -2,7 +2,6 @@
 
 use super::cause::{ConnectPlace, FlattenCause, WhenEquationPlace};
 use crate::base::diag::Diagnostic;
-use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
 use crate::evaluate::Evaluator;
 use crate::evaluate::assertion::Asserted;
@@ -15,7 +14,6 @@ use crate::ir::ast::{self, Expr, ExprKind, StatementKind};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
 use crate::ir::flat::{Action, Assert, WhenBranch};
 use crate::ir::instance::Scope;
-use crate::symbolic::rewrite::Rewriter;
 
 /// The branches of a when-equation.
 pub(super) fn branches(
@@ -311,27 +309,37 @@ pub(super) fn merge_branches(
     }
 }
 
-/// The branches of a when-statement of an algorithm.
+/// A branch of a when-statement that was executed.
+pub(super) struct Executed {
+    /// Its conditions, any of which activates it.
+    pub(super) conditions: Vec<ExprId>,
+    /// Its actions other than assignments of the section's variables.
+    pub(super) actions: Vec<Action>,
+    /// The variables that it assigns, with their values at its end.
+    pub(super) values: Vec<(VarId, ExprId)>,
+}
+
+/// Executes the branches of a when-statement of an algorithm, each from the values before the
+/// statement. `targets` are the variables that each of them assigns.
 pub(super) fn statement_branches(
     cx: &mut Evaluator<'_>,
     list: &[(Expr, Vec<ast::Statement>)],
+    targets: &[Vec<VarId>],
     scope: Scope,
-) -> Option<Vec<WhenBranch>> {
+) -> Option<Vec<Executed>> {
+    let before = cx.assigned.clone();
     let mut out = Vec::with_capacity(list.len());
-    for (condition, body) in list {
+    for ((condition, body), targets) in list.iter().zip(targets) {
+        cx.assigned.clone_from(&before);
         let conditions = conditions(cx, condition, scope)?;
         let mut actions = Vec::new();
-        cx.assigned.clear();
         let (result, asserts) =
             cx.collect_assertions(|cx| statement_actions(cx, body, scope, &mut actions));
         add_asserts(asserts, &mut actions);
-        let assigned = std::mem::take(&mut cx.assigned);
         result?;
-        let mut all: Vec<(VarId, ExprId)> = assigned.into_iter().collect();
-        all.sort_by_key(|(v, _)| *v);
-        actions.extend(all.into_iter().map(|(v, e)| Action::Assign(v, e)));
+        let values = targets.iter().filter_map(|v| Some((*v, *cx.assigned.get(v)?))).collect();
         actions.extend(cx.leave_branch().map(|(v, e)| Action::Assign(v, e)));
-        out.push(WhenBranch { conditions, actions });
+        out.push(Executed { conditions, actions, values });
     }
     Some(out)
 }
@@ -364,90 +372,4 @@ fn is_reinit(call: &Expr) -> bool {
         ExprKind::Call { function, .. } => function.simple().is_some_and(|n| n == "reinit"),
         _ => false,
     }
-}
-
-/// Makes the conditions of when-statements read the values that hold where they stand: a variable that
-/// only this statement and later ones assign still has its value from before the event (Modelica 3.6,
-/// section 11.1.2). `plain` are the variables that statements outside of when-statements assign.
-pub(super) fn conditions_before_assignment(
-    cx: &mut Evaluator<'_>,
-    whens: &mut [(Vec<WhenBranch>, Span)],
-    plain: &[VarId],
-) {
-    let mut earlier: FastSet<VarId> = plain.iter().copied().collect();
-    let mut later: FastMap<VarId, usize> = FastMap::default();
-    for (k, (branches, _)) in whens.iter().enumerate() {
-        for v in assigned_in(branches) {
-            later.insert(v, k);
-        }
-    }
-    for (k, (branches, _)) in whens.iter_mut().enumerate() {
-        let mut rewriter = Rewriter::new();
-        for condition in branches.iter_mut().flat_map(|b| &mut b.conditions) {
-            *condition = rewriter.apply(&mut cx.graph, *condition, &mut |g, e| match g.node(e) {
-                Node::Var(v) if later.get(&v).is_some_and(|l| *l >= k) && !earlier.contains(&v) => {
-                    Some(g.intern(Node::Pre(v), g.ty(e)))
-                }
-                // Already the value from before.
-                Node::Pre(_) => Some(e),
-                _ => None,
-            });
-        }
-        earlier.extend(assigned_in(branches));
-    }
-}
-
-/// The variables that a when-statement assigns, ascending.
-fn assigned_in(branches: &[WhenBranch]) -> Vec<VarId> {
-    let actions = branches.iter().flat_map(|b| &b.actions);
-    let mut all: Vec<VarId> = actions
-        .filter_map(|a| match a {
-            Action::Assign(v, _) => Some(*v),
-            _ => None,
-        })
-        .collect();
-    all.sort_unstable();
-    all.dedup();
-    all
-}
-
-/// Rewrites the when-statements of one algorithm section so that only one of them assigns each
-/// variable: if several do, the last active one counts (Modelica 3.6, section 11.2.7).
-pub(super) fn last_wins(whens: Vec<(Vec<WhenBranch>, Span)>) -> Vec<(Vec<WhenBranch>, Span)> {
-    let mut counted: Vec<VarId> = whens.iter().flat_map(|(b, _)| assigned_in(b)).collect();
-    counted.sort_unstable();
-    let mut shared: Vec<VarId> =
-        counted.windows(2).filter(|w| w[0] == w[1]).map(|w| w[0]).collect();
-    shared.dedup();
-    if shared.is_empty() {
-        return whens;
-    }
-    let mut joined: Vec<(Vec<WhenBranch>, Span)> = Vec::new();
-    for &v in &shared {
-        let mut branches = Vec::new();
-        let mut place = Span::NONE;
-        for (list, span) in whens.iter().rev() {
-            for b in list {
-                let own =
-                    b.actions.iter().rev().find(|a| matches!(a, Action::Assign(w, _) if *w == v));
-                if let Some(action) = own {
-                    place = *span;
-                    branches.push(WhenBranch {
-                        conditions: b.conditions.clone(),
-                        actions: vec![action.clone()],
-                    });
-                }
-            }
-        }
-        joined.push((branches, place));
-    }
-    for (mut list, span) in whens {
-        for b in &mut list {
-            b.actions.retain(|a| !matches!(a, Action::Assign(v, _) if shared.contains(v)));
-        }
-        if list.iter().any(|b| !b.actions.is_empty()) {
-            joined.push((list, span));
-        }
-    }
-    joined
 }

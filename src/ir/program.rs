@@ -168,6 +168,8 @@ pub struct MixedBlock {
     pub tape: Tape,
     /// The discrete variables and relations that it determines.
     pub discrete_unknowns: Vec<DiscreteUnknown>,
+    /// The conditions of when-clauses whose becoming true it reads: slots of each and of its `pre` value.
+    pub edges: Vec<(Slot, Slot)>,
     /// The block it was compiled from.
     pub place: BlockPosition,
 }

@@ -63,23 +63,59 @@ impl Rewriting<'_> {
                 self.graph.binary(Binary::Quotient, a, one)
             }
         };
+        let value = match self.instant_of_equality(a).is_some() {
+            true => self.value_after_instants(a, value, variable, rounding, ty, origin),
+            false => {
+                let h = self.graph.var(variable, ty);
+                self.bound_relations(a, h, rounding, origin);
+                value
+            }
+        };
         self.jumps.push(DiscreteEquation { variable, value, origin: origin.clone() });
-        self.add_bound_relations(a, variable, rounding, ty, origin);
         self.graph.var(variable, ty)
     }
 
-    /// Adds the relations that become true when the rounded value `h` must change. Rounding down is
-    /// valid for `h <= a < h + 1`, up for `h - 1 < a <= h`, and towards zero like down above zero
-    /// and like up below; a bound that does not apply is set to an unreachable value.
-    fn add_bound_relations(
+    /// The rounded value of an argument that runs with time. At the instant at which it arrives at a
+    /// bound it is already the value behind it, as a comparison with time is (`ceil(time)` is 1 from the
+    /// event at 0 on), and rounding errors at the instant do not matter: the value changes exactly if a
+    /// bound was passed.
+    fn value_after_instants(
         &mut self,
         a: ExprId,
+        rounded: ExprId,
         h: VarId,
         rounding: Rounding,
         ty: Type,
         origin: &Origin,
-    ) {
-        let h = self.graph.var(h, ty);
+    ) -> ExprId {
+        let before = self.graph.pre(h, ty);
+        let bounds = self.bound_relations(a, before, rounding, origin);
+        let one = match ty {
+            Type::Integer => self.graph.integer(1),
+            _ => self.graph.real(1.0),
+        };
+        let (above, below) = (self.graph.add(before, one), self.graph.sub(before, one));
+        let above = self.graph.binary(Binary::Max, rounded, above);
+        let below = self.graph.binary(Binary::Min, rounded, below);
+        let mut value = before;
+        for (op, passed) in bounds {
+            let rises = matches!(op, Binary::Greater | Binary::GreaterEqual);
+            value = self.graph.if_then_else(passed, if rises { above } else { below }, value);
+        }
+        let initial = self.graph.intern(Node::Initial, Type::Boolean);
+        self.graph.if_then_else(initial, rounded, value)
+    }
+
+    /// The relations that become true when the rounded value `h` must change. Rounding down is
+    /// valid for `h <= a < h + 1`, up for `h - 1 < a <= h`, and towards zero like down above zero
+    /// and like up below; a bound that does not apply is set to an unreachable value.
+    fn bound_relations(
+        &mut self,
+        a: ExprId,
+        h: ExprId,
+        rounding: Rounding,
+        origin: &Origin,
+    ) -> Vec<(Binary, ExprId)> {
         let one = self.graph.real(1.0);
         let (above, below) = (self.graph.add(h, one), self.graph.sub(h, one));
         let bounds = match rounding {
@@ -101,9 +137,10 @@ impl Rewriting<'_> {
                 ]
             }
         };
-        for (op, bound) in bounds {
+        let relation = |(op, bound)| {
             let literal = self.graph.binary(op, a, bound);
-            self.relation(op, a, bound, literal, origin);
-        }
+            (op, self.relation(op, a, bound, literal, origin))
+        };
+        bounds.into_iter().map(relation).collect()
     }
 }

@@ -321,18 +321,24 @@ impl<'a> Rewriting<'a> {
 
     fn trigger(&mut self, a: ExprId, b: ExprId) -> Trigger {
         let difference = self.graph.sub(a, b);
-        let split = linear::split(self.graph, difference, Leaf::Time);
-        if let Some((coefficient, rest)) = split
-            && self.variability(rest) <= Variability::Discrete
-        {
-            if self.graph.as_number(coefficient) == Some(1.0) {
-                return Trigger::Time { instant: self.graph.neg(rest) };
-            }
-            if self.graph.as_number(coefficient) == Some(-1.0) {
-                return Trigger::Time { instant: rest };
-            }
+        match self.instant_of_equality(difference) {
+            Some(instant) => Trigger::Time { instant },
+            None => Trigger::State,
         }
-        Trigger::State
+    }
+
+    /// When an expression is zero that is time, or minus time, except for what is constant between
+    /// events.
+    pub(super) fn instant_of_equality(&mut self, difference: ExprId) -> Option<ExprId> {
+        let (coefficient, rest) = linear::split(self.graph, difference, Leaf::Time)?;
+        if self.variability(rest) > Variability::Discrete {
+            return None;
+        }
+        match self.graph.as_number(coefficient)? {
+            1.0 => Some(self.graph.neg(rest)),
+            -1.0 => Some(rest),
+            _ => None,
+        }
     }
 
     fn sample(&mut self, start: ExprId, interval: ExprId, origin: &Origin) -> ExprId {

@@ -61,12 +61,21 @@ impl MixedBlockSolver {
             }
         }
         match outcome {
-            Err(Fault::NotConverged { .. }) if machine.relaxed => {
+            Err(Fault::NotConverged { .. }) if machine.relaxed && !self.needs_now(machine, k) => {
                 machine.still_changing = true;
                 Ok(())
             }
             outcome => outcome,
         }
+    }
+
+    /// Whether equations of a when-clause that is active have no solution here. No later pass would see
+    /// them: the clause is active in this one only. (Relations may have other values in a later pass.)
+    fn needs_now(&self, machine: &Machine<'_>, k: usize) -> bool {
+        let edges = &machine.program.routines.mixed_blocks[k].edges;
+        let is_active =
+            |&(now, before): &(Slot, Slot)| machine.get(now) != 0.0 && machine.get(before) == 0.0;
+        self.relations.is_empty() && edges.iter().any(is_active)
     }
 
     /// Iterates the block until nothing changes or a state recurs.

@@ -38,6 +38,7 @@ mod reference;
 mod regression;
 mod report;
 mod results;
+mod rounding;
 mod rows;
 mod sensitivity;
 mod stages;

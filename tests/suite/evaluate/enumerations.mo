@@ -63,3 +63,35 @@ package Moved
   end User;
 end Moved;
 //@ expect switch.y = 2
+
+//@ case values_by_number
+//@ run also=flat
+model ByNumber
+  type E = enumeration(a, b, c);
+  parameter E known = E(2);
+  parameter E all[3] = E({3, 2, 1});
+  Integer k(start = 1, fixed = true);
+  E later = E(k);
+  Integer back = Integer(E(k));
+  Boolean same = known == E.b and all[1] == E.c and all[3] == E.a;
+equation
+  when time > 0.5 then
+    k = 3;
+  end when;
+end ByNumber;
+//@ expect same = 1
+//@ expect known = 2
+//@ expect later at 0.3, 1 = 1, 3
+//@ expect back at 0.3, 1 = 1, 3
+
+//@ case no_value_of_this_number
+model TooFar
+  type E = enumeration(a, b, c);
+  Integer k(start = 1, fixed = true);
+  E e = E(k);
+equation
+  when time > 0.5 then
+    k = 4;
+  end when;
+end TooFar;
+//@ status 3

@@ -252,3 +252,201 @@ end Polygons;
 //@ expect y at 0.5, 7.25 = 1, 2*49 + 0.25*30 rel 1e-9
 // The trapezoidal rule: the sum of the squares, less half of the last.
 //@ expect area = 2*(999*1000*1999/6 - 999^2/2) rel 1e-6
+
+//@ case break_before_nested_loops
+//@ run also=flat
+// A loop in a loop that was left is not entered (MLS 11.2.5): each count is the number of iterations of a program with the
+// same loops.
+model M
+  function f
+    input Real x;
+    output Real w;
+  algorithm
+    w := 0;
+    for i in 1:3 loop
+      if i > x then
+        break;
+      end if;
+      for j in 1:2 loop
+        w := w + 1;
+      end for;
+    end for;
+  end f;
+  function with_while
+    input Real x;
+    output Real w;
+  protected
+    Integer j;
+  algorithm
+    w := 0;
+    for i in 1:3 loop
+      if i > x then
+        break;
+      end if;
+      j := 0;
+      while j < 2 loop
+        j := j + 1;
+        w := w + 1;
+      end while;
+    end for;
+  end with_while;
+  function counted
+    input Real x;
+    input Integer n;
+    output Real w;
+  algorithm
+    w := 0;
+    for i in 1:n loop
+      if i > x then
+        break;
+      end if;
+      for j in 1:n loop
+        if j > x + 1 then
+          break;
+        end if;
+        for k in 1:2 loop
+          w := w + 1;
+        end for;
+      end for;
+    end for;
+  end counted;
+  Real x = 1.5 + 0.1*sin(time);
+  Integer n(start = 3, fixed = true);
+  Real a = f(x), b = f(1.5 + 0*time), c = with_while(x), d = counted(x, n), e = counted(x, 3), q, r;
+equation
+  when time > 2 then
+    n = 4;
+  end when;
+algorithm
+  q := 0;
+  for i in 1:3 loop
+    if i > x then
+      break;
+    end if;
+    for j in 1:2 loop
+      q := q + 1;
+    end for;
+  end for;
+algorithm
+  r := 0;
+  for i in 1:n loop
+    if i > x then
+      break;
+    end if;
+    for j in 1:n loop
+      r := r + 1;
+    end for;
+  end for;
+end M;
+//@ expect a, b, c, q = 2
+//@ expect d, e = 4
+//@ expect r = 3
+
+//@ case return_after_break
+//@ run also=flat
+model M
+  function certain
+    input Real x;
+    output Real w;
+  algorithm
+    w := 1;
+    for i in 1:3 loop
+      if w > x then
+        break;
+      end if;
+      return;
+    end for;
+    w := w + 1000;
+  end certain;
+  function perhaps
+    input Real x;
+    output Real w;
+  algorithm
+    w := 1;
+    for i in 1:3 loop
+      if w > x then
+        break;
+      end if;
+      if w > x - 1 then
+        return;
+      end if;
+      w := w + 1;
+    end for;
+    w := w + 1000;
+  end perhaps;
+  function nested
+    input Real x;
+    output Real w;
+  algorithm
+    w := 0;
+    for i in 1:3 loop
+      if i > x then
+        break;
+      end if;
+      for j in 1:3 loop
+        if i + j > 2*x then
+          return;
+        end if;
+        w := w + 1;
+      end for;
+      w := w + 100;
+    end for;
+    w := w + 1000;
+  end nested;
+  function in_while
+    input Real x;
+    output Integer n;
+  algorithm
+    n := 0;
+    while n < 10 loop
+      if n > x then
+        break;
+      end if;
+      if n > 3 then
+        return;
+      end if;
+      n := n + 1;
+    end while;
+    n := n + 1000;
+  end in_while;
+  Real s = 0.1*sin(time);
+  Real b1 = certain(0.5 + s), r1 = certain(1.5 + s);
+  Real b2 = perhaps(0.5 + s), r2 = perhaps(1.5 + s), r3 = perhaps(2.5 + s);
+  Real n1 = nested(0.5 + s), n2 = nested(1.8 + s), n3 = nested(2.2 + s);
+  Integer w1 = in_while(1.5 + s), w2 = in_while(5.5 + s);
+end M;
+//@ expect b1, r1 = 1001, 1
+//@ expect b2, r2, r3 = 1001, 1, 2
+//@ expect n1, n2, n3 = 1000, 2, 105
+//@ expect w1, w2 = 1002, 4
+
+//@ case counted_loop_around_a_loop_counted_at_run_time
+// The time of a call grows with the number of iterations, not by a power of it.
+model M
+  function f
+    input Real x;
+    input Integer n;
+    output Real o;
+  protected
+    Real w;
+  algorithm
+    o := x;
+    w := -1;
+    for k in 1:40 loop
+      w := max(o, w);
+      for i in 1:n loop
+        o := if o < x then 1 else w;
+      end for;
+      o := o + 0.5;
+    end for;
+  end f;
+  Real x = 2 + time;
+  Integer n(start = 2, fixed = true);
+  Real y = f(x, n);
+equation
+  when time > 0.5 then
+    n = 4;
+  end when;
+end M;
+// Each of 40 iterations adds 0.5 to the largest value so far.
+//@ expect each y = 2 + time + 20 abs 1e-9

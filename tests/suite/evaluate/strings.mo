@@ -60,3 +60,24 @@ end Texts;
 //@ expect is_four, before, after, listed, formed, padded, was_three at 0.45 = 1, 0, 1, 1, 1, 1, 1
 // "n = 10" is before "n = 2".
 //@ expect changes, is_four, before, after, listed, formed, padded, was_three = 10, 0, 1, 0, 0, 0, 1, 0
+
+//@ case flags_of_formats
+//@ run also=flat
+// Each is what `printf` of C writes.
+model Formats
+  Integer n(start = 7, fixed = true);
+  Real x = 3.5 + time;
+  parameter Boolean known = String(7, format = "05d") == "00007" and String(3.5, format = "08.3f") == "0003.500"
+    and String(7, format = " d") == " 7" and String(2.0, format = "#.0f") == "2." and String(7, format = "5.3d") == "  007"
+    and String(7, format = "+d") == "+7" and String(255, format = "x") == "ff" and String(255, format = "#X") == "0XFF"
+    and String(8, format = "o") == "10" and String(65, format = "c") == "A" and String(7, format = "u") == "7";
+  Boolean later = String(n, format = "05d") == "00007" and String(x, format = "08.3f") == "0003.500"
+    and String(n, format = "+.2d") == "+07" and String(n, format = "#x") == "0x7";
+equation
+  when time > 0.5 then
+    n = 8;
+  end when;
+end Formats;
+//@ expect known at start = 1
+//@ expect later at start = 1
+//@ expect later = 0

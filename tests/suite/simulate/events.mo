@@ -209,3 +209,41 @@ end Latch;
 //@ expect events "x > 0.5 became true" = 3 at (asin(0.5) + 2*acos(-1)*(k - 1))/6 rel 1e-6
 //@ expect n = 33
 //@ expect n at 0.4, 0.5 = 1, 11
+
+//@ case when_equations_without_solution
+// At the same event, `y` is not `z` and `z` is `y`.
+model Contradiction
+  Boolean y(start = false, fixed = true), z(start = false, fixed = true);
+equation
+  when sample(0.1, 0.1) then
+    y = not z;
+  end when;
+  when sample(0.1, 0.1) then
+    z = y;
+  end when;
+end Contradiction;
+//@ status 3
+
+//@ case when_equation_of_itself
+model Count
+  Integer y(start = 0, fixed = true);
+equation
+  when sample(0.1, 0.1) then
+    y = y + 1;
+  end when;
+end Count;
+//@ status 3
+
+//@ case when_equations_that_refer_to_each_other
+// These have one solution: z = 1, y = 2.
+model Solvable
+  Integer y(start = 0, fixed = true), z(start = 5, fixed = true);
+equation
+  when sample(0.1, 0.1) then
+    y = z + 1;
+  end when;
+  when sample(0.1, 0.1) then
+    z = if y > 3 then 0 else 1;
+  end when;
+end Solvable;
+//@ expect y, z = 2, 1
