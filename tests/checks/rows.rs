@@ -3,7 +3,7 @@
 use mocc::codegen::recording;
 use mocc::runtime::jit::tiering::Execution;
 
-use super::door::{Case, Compiled};
+use super::door::{Case, Compiled, Reading};
 
 /// Models with events, jumps and assertions, and variables of which some are states and some are not.
 const CASES: [(&str, &[&str]); 3] = [
