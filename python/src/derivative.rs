@@ -253,10 +253,10 @@ pub fn sensitivities<'py>(
         settings.stop = times.last().copied().unwrap_or(settings.stop);
         settings.instants = Some(times.clone().into());
         let (width, count) = (program.recorded.len(), wanted.len());
-        let mut rows = Rows::new(times.into(), width, count);
-        let ended =
-            simulate_with_sensitivities(program, &settings, &wanted, &of.sources, &mut rows);
-        ended.map_err(|failure| Trouble::of_failure(&failure, &of.sources))?;
+        let ran = Rows::of(times.into(), [width, count], |rows| {
+            simulate_with_sensitivities(program, &settings, &wanted, &of.sources, rows)
+        });
+        let (rows, _) = ran.map_err(|failure| Trouble::of_failure(&failure, &of.sources))?;
         let (mut values, mut slopes) = (Vec::new(), Vec::new());
         let all = rows.values.chunks_exact(width).zip(rows.slopes.chunks_exact(width * count));
         for (row, slope) in all {

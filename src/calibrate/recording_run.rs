@@ -86,9 +86,14 @@ impl Problem<'_> {
     /// The recorded variables at the instants of a recording, in SI units.
     pub(super) fn rows_at(&self, recording: &Recording, at: Point<'_>) -> Result<Rows, Failure> {
         let settings = self.settings(recording, &self.taken(recording, at));
-        let mut rows = Rows::new(recording.time.clone(), self.program.recorded.len(), 0);
-        simulate_to(self.program, &settings, self.sources, &mut rows)?;
-        Ok(rows)
+        self.rows_with(recording, &settings)
+    }
+
+    /// The same with given settings.
+    fn rows_with(&self, recording: &Recording, settings: &Settings) -> Result<Rows, Failure> {
+        let sizes = [self.program.recorded.len(), 0];
+        let run = |rows: &mut Rows| simulate_to(self.program, settings, self.sources, rows);
+        Ok(Rows::of(recording.time.clone(), sizes, run)?.0)
     }
 
     /// For each signal the recorded variable through which a parameter acts on it, if it does, and the factor from its
@@ -131,12 +136,10 @@ impl Problem<'_> {
         let own = self.own_place(recording, x)?;
         let taken = self.taken(recording, Point { free: x, own: &own });
         let settings = self.settings(recording, &taken);
-        let width = self.program.recorded.len();
-        let mut rows = Rows::new(recording.time.clone(), width, 0);
-        simulate_to(self.program, &settings, self.sources, &mut rows)?;
+        let rows = self.rows_with(recording, &settings)?;
         let column = |name: &String| {
             let k = self.program.recorded.iter().position(|v| self.program.name(*v) == name)?;
-            Some(rows.values.chunks_exact(width).map(|row| row[k]).collect())
+            Some(rows.values.chunks_exact(rows.width).map(|row| row[k]).collect())
         };
         Ok(names.iter().filter_map(column).collect())
     }
@@ -169,9 +172,7 @@ impl Problem<'_> {
             let recording = recordings[i];
             let settings =
                 self.settings(recording, &self.taken(recording, Point { free: x, own: &[] }));
-            let width = self.program.recorded.len();
-            let mut rows = Rows::new(recording.time.clone(), width, 0);
-            simulate_to(self.program, &settings, self.sources, &mut rows).map(|_| rows.values)
+            self.rows_with(recording, &settings).map(|rows| rows.values)
         };
         let runs = parallel::map(self.jobs, recordings.len(), of_run);
         let runs: Vec<Vec<f64>> = runs.into_iter().collect::<Result<_, _>>()?;

@@ -2,8 +2,13 @@
 
 use std::sync::Arc;
 
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
 use crate::ir::trajectory::{Column, Event};
+use crate::simulate::cause::RunCause;
+use crate::simulate::failure::Failure;
 use crate::simulate::record::Sink;
+use crate::simulate::run::Statistics;
 
 /// Collects the rows at the instants of a recording.
 #[derive(Clone)]
@@ -22,11 +27,38 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// No rows yet, of `width` variables with derivatives by `inputs` inputs.
-    pub fn new(instants: Arc<[f64]>, width: usize, inputs: usize) -> Self {
+    /// The rows of a run at `instants`, of `width` variables with derivatives by `inputs` inputs, and its statistics.
+    /// Errors: that of the run, or that it has no row at one of the instants.
+    pub fn of(
+        instants: Arc<[f64]>,
+        [width, inputs]: [usize; 2],
+        run: impl FnOnce(&mut Rows) -> Result<Statistics, Failure>,
+    ) -> Result<(Rows, Statistics), Failure> {
         let n = instants.len();
         let (values, slopes) = (vec![0.0; n * width], vec![0.0; n * width * inputs]);
-        Rows { instants, next: 0, taken: false, width, values, slopes }
+        let mut rows = Rows { instants, next: 0, taken: false, width, values, slopes };
+        let statistics = run(&mut rows)?;
+        match rows.missing() {
+            None => Ok((rows, statistics)),
+            Some(row) => Err(incomplete(row, &statistics)),
+        }
+    }
+
+    /// The first instant without a row, s.
+    fn missing(&self) -> Option<f64> {
+        self.instants.get(self.next).copied()
+    }
+}
+
+/// Why a run without a row is of no use: the model ended it, or mocc lost the row.
+fn incomplete(row: f64, statistics: &Statistics) -> Failure {
+    let time = statistics.end;
+    match &statistics.terminated {
+        Some(why) => {
+            let cause = RunCause::EndsBeforeRow { time, row, why: why.clone() };
+            Failure::numerics(time, Diagnostic::new(cause, Span::NONE))
+        }
+        None => Failure::bug(row, format!("the run to {time} s has no row at {row} s")),
     }
 }
 

@@ -46,13 +46,15 @@ impl Problem<'_> {
         let inputs: Vec<Input> =
             moved.iter().flat_map(|t| t.parameter.targets.iter().copied()).collect();
         let width = self.program.recorded.len();
-        let mut rows = Rows::new(recording.time.clone(), width, inputs.len());
         let (program, sources) = (self.program, self.sources);
-        let run =
-            simulate_with_known_sensitivities(program, &settings, &inputs, sources, &mut rows);
-        let unknown = match run {
-            Ok(statistics) => {
-                self.differences(recording, at, by, &hidden_parameters(&moved, &statistics.hidden))?
+        let run = |rows: &mut Rows| {
+            simulate_with_known_sensitivities(program, &settings, &inputs, sources, rows)
+        };
+        let ran = Rows::of(recording.time.clone(), [width, inputs.len()], run);
+        let (rows, unknown) = match ran {
+            Ok((rows, statistics)) => {
+                let hidden = hidden_parameters(&moved, &statistics.hidden);
+                (rows, self.differences(recording, at, by, &hidden)?)
             }
             Err(failure) if failure.is_without_derivatives() => {
                 return self.each_difference(recording, at, by, take);

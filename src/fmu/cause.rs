@@ -8,7 +8,8 @@ causes! {
         /// The shared library that runs programs is not where it is looked for.
         error MO1300 NoRuntime { looked: String }
             => ("the runtime of FMUs, `libmocc_fmu.so`, is not there; looked at {looked}"),
-            help("build it with `cargo build --release`, which puts it next to `mocc`, or name it with `--runtime PATH`");
+            help("build it with `cargo build --release`, which puts it next to `mocc`, install the Python package by \
+                  `pip install ./python`, which holds it, or name it with `--runtime PATH`");
         /// States are selected while the model runs, which Model Exchange cannot express.
         error MO1301 StatesVary { model: String }
             => ("the states of `{model}` are selected while it runs, which Model Exchange cannot express"),

@@ -139,6 +139,10 @@ causes! {
         error MO0945 ForeignNoStep { time: f64 }
             => ("the FMU makes no step at time {time} s"),
             help("choose a longer `--interval`, or report this to the maker of the FMU");
+        /// A run ends before the rows that were asked for.
+        error MO0946 EndsBeforeRow { time: f64, row: f64, why: String }
+            => ("the run ends at {time} s, but a value at {row} s is compared: {why}"),
+            help("cut the recording where the model ends, or remove what ends the run");
         /// An invariant of mocc is violated.
         error MO0999 Bug { what: String }
             => ("{what}"), help("this is a bug in mocc, please report it with the model");

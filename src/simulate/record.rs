@@ -187,6 +187,11 @@ impl Recorder {
         self.last == t
     }
 
+    /// True if the last row is at this time or later.
+    pub fn has_row_since(&self, t: f64) -> bool {
+        self.last >= t
+    }
+
     /// Copies the values of a row; the error is a variable that is not finite.
     pub fn take(&mut self, machine: &Machine<'_>) -> Result<(), VarId> {
         let row = self.times.len();

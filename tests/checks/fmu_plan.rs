@@ -258,3 +258,81 @@ fn nothing_is_found_where_an_fmu_lacks_nothing() {
     let Some((found, ..)) = diagnosis(FLAWLESS) else { return };
     assert_eq!(found["verdict"], "complete", "{found:#}");
 }
+
+/// Rows of a recording that lie between, on, and within rounding of the instants that an FMU for Co-Simulation alone
+/// stops at: the solution of the equation fits them exactly, whatever their distance.
+#[test]
+fn every_row_of_an_fmu_that_steps_itself_is_compared() {
+    let Some(runtime) = fmu_runtime() else { return };
+    let (folder, runtime) = (Scratch::new(), runtime.display().to_string());
+    let tank = "model Tank
+  parameter Real k(unit = \"1/s\") = 0.8;
+  output Real x(unit = \"m\", start = 2, fixed = true);
+equation
+  der(x) = -k*x;
+  annotation(experiment(StopTime = 4));
+end Tank;
+";
+    folder.file("tank.mo", tank);
+    for fmi in ["2", "3"] {
+        let of = ["export", "fmu", "tank.mo", "--runtime", &runtime, "-o", "tank.fmu", "--quiet"];
+        succeeds(&folder, &[&of[..], &["--fmi", fmi, "--type", "cs"]].concat());
+        for distance in [0.05, 0.1, 0.125, 0.01, 0.07] {
+            let mut text = "t_s,level_mm\n".to_owned();
+            for row in 0..=(4.0 / distance) as usize {
+                let t = row as f64 * distance;
+                writeln!(text, "{t},{}", 2000.0 * (-0.8 * t).exp()).expect("a String");
+            }
+            folder.file("rows.csv", &text);
+            folder.file(
+                "rows.toml",
+                "model = \"tank.fmu\"
+data = { folder = \".\" }
+recordings = [{ file = \"rows.csv\" }]
+time = { column = \"t_s\", unit = \"s\" }
+signals = { level_mm = { variable = \"x\", unit = \"mm\", sigma = 1.0 } }
+free = { k = { min = 0.05, max = 5 } }
+",
+            );
+            let words = ["evaluate", "rows.toml", "--allow-fmu", "tank.fmu", "--json"];
+            let ended = succeeds(&folder, &words);
+            let found: Value = serde_json::from_str(&ended.out).expect("JSON");
+            let misfit = found["reduced_chi_square"].as_f64().expect("a number");
+            assert!(misfit < 0.01, "FMI {fmi}, rows each {distance} s: {misfit}");
+        }
+    }
+}
+
+/// A run that ends before its recording is of no use, and says so.
+#[test]
+fn rows_after_the_end_of_a_run_are_not_zeros() {
+    let folder = Scratch::new();
+    let model = "model Tank
+  parameter Real k = 0.8;
+  Real x(start = 2, fixed = true);
+equation
+  der(x) = -k*x;
+  when x < 0.5 then
+    terminate(\"the tank is empty\");
+  end when;
+end Tank;
+";
+    folder.file("tank.mo", model);
+    folder.file("rows.csv", "t,x\n0,2\n1,0.9\n2,0.4\n3,0.18\n");
+    folder.file(
+        "plan.toml",
+        "model = \"tank.mo\"
+data = { folder = \".\" }
+recordings = [{ file = \"rows.csv\" }]
+time = { column = \"t\", unit = \"s\" }
+signals = { x = { variable = \"x\", unit = \"1\", sigma = 0.1 } }
+free = { k = { min = 0.05, max = 5 } }
+",
+    );
+    let ended = mocc(folder.path(), &["evaluate", "plan.toml"]);
+    assert_eq!(ended.status, 3, "{}", ended.err);
+    // ln(2/0.5)/0.8 is 1.733.
+    for part in ["MO0946", "1.73", "2 s", "the tank is empty"] {
+        assert!(ended.err.contains(part), "{part}: {}", ended.err);
+    }
+}

@@ -68,13 +68,7 @@ pub(super) fn run(
             taken.map_err(|fault| failure(fault, reached))?;
             between(rows, [t, reached], [&before, &after], &are_real, sink)?;
             rows.now = after;
-            let near = SAME_INSTANT * size;
-            while rows.recorder.due(reached + near, true).is_some() {
-                rows.recorder.advance();
-                if !rows.recorder.has_row_at(reached) {
-                    rows.put(reached.min(stop), sink)?;
-                }
-            }
+            due_at(rows, reached, [SAME_INSTANT * size, stop], sink)?;
         } else if !step.ends {
             let diagnostic = Diagnostic::new(RunCause::ForeignNoStep { time: t }, Span::NONE);
             return Err(Failure::numerics(t, diagnostic));
@@ -82,7 +76,7 @@ pub(super) fn run(
         t = reached;
         statistics.end = t.min(stop);
         if step.ends {
-            if !rows.recorder.has_row_at(t) {
+            if !rows.recorder.has_row_since(t) {
                 rows.put(t, sink)?;
             }
             statistics.terminated = Some("the FMU ends the run".to_owned());
@@ -111,6 +105,25 @@ fn between(
         rows.now = pairs.map(value).collect();
         rows.put(at, sink)?;
         rows.recorder.advance();
+    }
+    Ok(())
+}
+
+/// Rows of the grid at a communication point. One that is due within rounding of it keeps its own time, by which it is
+/// known to whoever asked for it.
+fn due_at(
+    rows: &mut Rows<'_>,
+    reached: f64,
+    [near, stop]: [f64; 2],
+    sink: &mut dyn Sink,
+) -> Result<(), Failure> {
+    // Rounding must not lose the last row.
+    let until = if reached < stop - near { reached + near } else { stop };
+    while let Some(at) = rows.recorder.due(until, true) {
+        rows.recorder.advance();
+        if !rows.recorder.has_row_at(at) {
+            rows.put(at, sink)?;
+        }
     }
     Ok(())
 }
