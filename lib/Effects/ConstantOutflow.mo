@@ -1,5 +1,7 @@
 within Effects;
 model ConstantOutflow "Constant flow to the outside"
+  //   f = F
+  // A pump, a consumer or a leak that does not depend on the potential.
   extends PartialOutflow;
   parameter Real F = 0 "The flow, in the unit of the connector; negative if it enters";
 equation

@@ -9,7 +9,6 @@ use std::sync::Arc;
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::source::SourceMap;
 use crate::codegen::recording;
-use crate::ir::dae::VariableKind;
 use crate::ir::expr::VarId;
 use crate::ir::program::Program;
 use crate::runtime::jit::tiering::Execution;
@@ -249,11 +248,10 @@ fn conditions(program: &Program, plan: &Plan, problems: &mut Problems) -> Vec<Op
 /// Warns of inputs of the model that neither columns nor start values of the plan determine.
 fn warn_of_undriven(program: &Program, plan: &Plan, driven: &[VarId], problems: &mut Problems) {
     for (v, x) in program.blocks.dae.variables.enumerate() {
-        let is_open = x.kind == VariableKind::Input && !x.name.contains(['.', '[']) && !x.hidden;
         let start = format!("start({})", x.name);
         let is_set =
             plan.starts.iter().any(|s| s.target == start) || plan.targets().contains(&start);
-        if is_open && !driven.contains(&v) && !is_set {
+        if x.is_open_input() && !driven.contains(&v) && !is_set {
             let cause = PlanCause::NotDriven { input: x.name.clone() };
             problems.push(Diagnostic::new(cause, x.span));
         }

@@ -7,7 +7,6 @@ use std::fmt::Write;
 
 use super::unit::Unit;
 use crate::io::csv::TextTable;
-use crate::ir::ast::Causality;
 use crate::ir::expr::{Const, Type};
 use crate::ir::flat::{FlatModel, Variability, Variable};
 use crate::units::dimension::Dimension;
@@ -99,10 +98,7 @@ pub fn skeleton(
 
 /// The columns that drive inputs of the model; their positions.
 fn inputs(out: &mut String, flat: &FlatModel, table: &TextTable, time: usize) -> Vec<usize> {
-    let is_input = |v: &Variable| {
-        let is_open = v.causality == Some(Causality::Input) && v.binding.is_none();
-        is_open && v.ty == Type::Real && !v.name.contains('.')
-    };
+    let is_input = |v: &Variable| v.is_open_input() && v.ty == Type::Real;
     let mut lines = String::new();
     let mut driving = Vec::new();
     for (k, column) in table.names.iter().enumerate().filter(|(k, _)| *k != time) {

@@ -16,6 +16,7 @@ pub fn sort_by_preference(
 ) {
     let (study, policy) = (search.study, search.policy());
     hypotheses.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
+    prefer_first_of_equals(hypotheses, &criterion);
     // An instrument is blamed only if no effect on the measured machine explains as much: an effect in proportion
     // to a pressure is also a scale error of its sensor. Where much is left, small differences mean little, except to
     // a parameter that varies, which follows what any other effect leaves.
@@ -82,6 +83,24 @@ pub fn sort_by_preference(
     };
     let is_parametric = |h: &Hypothesis| !ends_with_curve(study, h) && !of_instrument(h);
     if let Some(k) = hypotheses.iter().position(|h| is_parametric(h) && nearly_as_good(h)) {
+        hypotheses[..=k].rotate_right(1);
+    }
+}
+
+/// Puts the first law of the catalogue before a special case of it at the same place that explains the same.
+fn prefer_first_of_equals(
+    hypotheses: &mut [Hypothesis],
+    criterion: &impl Fn(&Hypothesis) -> f64,
+) {
+    const EQUAL: f64 = 0.5;
+    let Some(first) = hypotheses.first() else { return };
+    let Some(own) = first.effects.last() else { return };
+    let most = criterion(first) + EQUAL;
+    let is_earlier = |h: &Hypothesis| {
+        let other = h.effects.last();
+        other.is_some_and(|c| c.place == own.place && c.effect < own.effect) && criterion(h) < most
+    };
+    if let Some(k) = hypotheses.iter().position(is_earlier) {
         hypotheses[..=k].rotate_right(1);
     }
 }

@@ -164,6 +164,11 @@ pub struct Variable {
 }
 
 impl Variable {
+    /// True for an input of the model itself that no equation determines.
+    pub fn is_open_input(&self) -> bool {
+        self.kind == VariableKind::Input && !self.name.contains(['.', '[']) && !self.hidden
+    }
+
     /// A variable about which nothing more is known.
     pub fn new(name: impl Into<String>, ty: Type, kind: VariableKind, span: Span) -> Variable {
         Variable {

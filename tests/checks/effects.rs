@@ -186,6 +186,7 @@ fn annotations_name_existing_elements() {
             match names {
                 "amplitude" | "named" => {}
                 "of" => assert_eq!(values, "state", "{}", effect.name),
+                "order" => assert_eq!(values, "first", "{}", effect.name),
                 "varies" | "acts" | "adds" => {
                     assert!(is_there(values), "{}: {values}", effect.name)
                 }

@@ -3,7 +3,7 @@
 use mocc::codegen::recording;
 use mocc::runtime::jit::tiering::Execution;
 
-use super::door::{Case, Compiled, Reading};
+use super::door::{Case, Compiled};
 
 /// Models with events, jumps and assertions, and variables of which some are states and some are not.
 const CASES: [(&str, &[&str]); 3] = [
@@ -59,7 +59,7 @@ fn histories_do_not_depend_on_what_is_recorded() {
       end Delayed;";
     let case = Case::text(model);
     let all = case.compile().run();
-    let last = |name: &str| *all.of(name).last().expect("a row");
+    let last = |name: &str| *all.values(name).expect("a column").last().expect("a row");
     assert!((last("y") - 3.5).abs() < 1e-6, "{}", last("y"));
     // What enters at a time when x was 1 less leaves now.
     assert!((last("out1") - 3.0 * 1.0_f64.sin()).abs() < 1e-3, "{}", last("out1"));

@@ -1623,13 +1623,13 @@ package EffectTests
     Store lower(e_start = 0);
     Store upper_2(C = 2);
     Store lower_2(e_start = 0);
-    Effects.LinearBypass line(k = 20);
-    Effects.LinearBypass line_2(k = 20);
+    Effects.LinearBypass channel(k = 20);
+    Effects.LinearBypass channel_2(k = 20);
     Real observed = lower.e;
     Real twin     = lower_2.e;
   equation
-    connect(line.port_a, upper.port);      connect(line.port_b, lower.port);
-    connect(line_2.port_a, upper_2.port);  connect(line_2.port_b, lower_2.port);
+    connect(channel.port_a, upper.port);      connect(channel.port_b, lower.port);
+    connect(channel_2.port_a, upper_2.port);  connect(channel_2.port_b, lower_2.port);
   end BesideStores;
 
   model BesideTanks "The same, and two tanks"
