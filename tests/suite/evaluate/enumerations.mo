@@ -88,6 +88,7 @@ end ByNumber;
 model TooFar
   type E = enumeration(a, b, c);
   Integer k(start = 1, fixed = true);
+  //@ error[MO0912] 9-12
   E e = E(k);
 equation
   when time > 0.5 then
