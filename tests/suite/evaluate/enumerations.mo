@@ -80,7 +80,6 @@ equation
   end when;
 end ByNumber;
 //@ expect same = 1
-//@ expect known = 2
 //@ expect later at 0.3, 1 = 1, 3
 //@ expect back at 0.3, 1 = 1, 3
 
