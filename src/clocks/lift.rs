@@ -79,10 +79,10 @@ impl Lift<'_> {
 
     fn action(&mut self, action: &mut Action, origin: &Origin) {
         match action {
-            Action::Assign(_, value) | Action::Terminate(value) => {
+            Action::Assign(_, value) => {
                 *value = self.root(*value, false, origin);
             }
-            Action::Reinit { value, guard, .. } => {
+            Action::Reinit { value, guard, .. } | Action::Terminate { message: value, guard } => {
                 *value = self.root(*value, false, origin);
                 if let Some(guard) = guard {
                     *guard = self.root(*guard, false, origin);

@@ -179,7 +179,10 @@ impl Finding<'_> {
                 guard.iter().for_each(|g| self.visit(*g, node, origin));
             }
             Action::Assert(assert) => self.visit(assert.condition, node, origin),
-            Action::Terminate(message) => self.visit(*message, node, origin),
+            Action::Terminate { message, guard } => {
+                self.visit(*message, node, origin);
+                guard.iter().for_each(|g| self.visit(*g, node, origin));
+            }
         }
     }
 

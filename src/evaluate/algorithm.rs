@@ -7,6 +7,7 @@ use super::cause::array::ArrayCause;
 use super::cause::call::CallCause;
 use super::cause::name::NameCause;
 use super::implicit_ranges::Body;
+use super::random_draw::Place;
 use super::reference::Selection;
 use super::subscript::{one_by_one, positions};
 use super::value::{Record, Value};
@@ -129,6 +130,16 @@ impl Evaluator<'_> {
             && function.simple().is_some_and(|n| n == "assert")
         {
             return self.run_assert(args, named, call.span, scope);
+        }
+        if let ExprKind::Call { function, args, .. } = &call.kind
+            && function.simple().is_some_and(|n| n == "terminate")
+            && self.random_draws.place == Place::When
+            && !self.frames.in_function()
+        {
+            let message = self.evaluate_scalar(args.first()?, scope)?;
+            let active = self.active_condition();
+            self.assertions.terminations.push((active, message));
+            return Some(());
         }
         self.call_alone(call, scope)
     }

@@ -45,6 +45,8 @@ pub struct Assertions {
     pub(crate) pending: Vec<Asserted>,
     /// Conditions, known only at run time, under which the code being evaluated is active.
     pub(crate) conditions: Vec<ExprId>,
+    /// `terminate` in the when-statement that is being executed: condition and message.
+    pub(crate) terminations: Vec<(ExprId, ExprId)>,
 }
 
 /// The level that an `AssertionLevel` means.

@@ -221,7 +221,7 @@ fn call_action(
         }
         Some("terminate") => {
             let message = cx.evaluate_scalar(args.first()?, scope)?;
-            out.push(Action::Terminate(message));
+            out.push(Action::Terminate { message, guard: None });
             Some(())
         }
         _ => cx.call_alone(call, scope),
@@ -286,18 +286,18 @@ pub(super) fn merge_branches(
                     *(if k == 0 { &mut slot.1 } else { &mut slot.2 }) = Some(e);
                 }
                 Action::Reinit { state, value, guard } => {
-                    let guard = match guard {
-                        Some(g) => cx.graph.and(applies, g),
-                        None => applies,
-                    };
-                    out.push(Action::Reinit { state, value, guard: Some(guard) });
+                    let guard = Some(guard.map_or(applies, |g| cx.graph.and(applies, g)));
+                    out.push(Action::Reinit { state, value, guard });
+                }
+                Action::Terminate { message, guard } => {
+                    let guard = Some(guard.map_or(applies, |g| cx.graph.and(applies, g)));
+                    out.push(Action::Terminate { message, guard });
                 }
                 Action::Assert(mut a) => {
                     let off = cx.graph.not(applies);
                     a.condition = cx.graph.or(off, a.condition);
                     out.push(Action::Assert(a));
                 }
-                Action::Terminate(message) => out.push(Action::Terminate(message)),
             }
         }
     }
@@ -333,9 +333,12 @@ pub(super) fn statement_branches(
         cx.assigned.clone_from(&before);
         let conditions = conditions(cx, condition, scope)?;
         let mut actions = Vec::new();
-        let (result, asserts) =
-            cx.collect_assertions(|cx| statement_actions(cx, body, scope, &mut actions));
+        let (result, asserts) = cx.collect_assertions(|cx| statement_actions(cx, body, scope));
         add_asserts(asserts, &mut actions);
+        for (guard, message) in std::mem::take(&mut cx.assertions.terminations) {
+            let always = cx.graph.as_const(guard) == Some(Const::Boolean(true));
+            actions.push(Action::Terminate { message, guard: (!always).then_some(guard) });
+        }
         result?;
         let values = targets.iter().filter_map(|v| Some((*v, *cx.assigned.get(v)?))).collect();
         actions.extend(cx.leave_branch().map(|(v, e)| Action::Assign(v, e)));
@@ -346,19 +349,13 @@ pub(super) fn statement_branches(
 
 /// Executes statements: assignments remain in the evaluator; assertions and the like become actions.
 /// `reinit` belongs to equations (section 8.3.6).
-fn statement_actions(
-    cx: &mut Evaluator<'_>,
-    body: &[ast::Statement],
-    scope: Scope,
-    out: &mut Vec<Action>,
-) -> Option<()> {
+fn statement_actions(cx: &mut Evaluator<'_>, body: &[ast::Statement], scope: Scope) -> Option<()> {
     for s in body {
         match &s.kind {
             StatementKind::Call(call) if is_reinit(call) => {
                 cx.report(BuiltinCause::ReinitOutsideWhen, call.span);
                 return None;
             }
-            StatementKind::Call(call) => call_action(cx, call, scope, out)?,
             _ => {
                 cx.run_statements(std::slice::from_ref(s), scope)?;
             }

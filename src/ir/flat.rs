@@ -268,8 +268,13 @@ pub enum Action {
     },
     /// `assert(...)`
     Assert(Assert),
-    /// `terminate(message)`
-    Terminate(ExprId),
+    /// `terminate(message)`, only if `guard` is true.
+    Terminate {
+        /// The reason.
+        message: ExprId,
+        /// Extra condition, if any.
+        guard: Option<ExprId>,
+    },
 }
 
 /// `delay(variable, time)`, read as a recorded signal of the variable.

@@ -192,8 +192,8 @@ part!(Assert, |this, visit| {
 
 part!(Action, |this, visit| {
     match this {
-        Action::Assign(_, value) | Action::Terminate(value) => visit(value),
-        Action::Reinit { state: _, value, guard } => {
+        Action::Assign(_, value) => visit(value),
+        Action::Reinit { state: _, value, guard } | Action::Terminate { message: value, guard } => {
             visit(value);
             if let Some(guard) = guard {
                 visit(guard);

@@ -137,7 +137,7 @@ fn roots(flat: &FlatModel, s: &Sections) -> Vec<ExprId> {
                     roots.extend(guard);
                 }
                 Action::Assert(assert) => roots.push(assert.condition),
-                Action::Terminate(_) => {}
+                Action::Terminate { guard, .. } => roots.extend(guard),
             }
         }
     }

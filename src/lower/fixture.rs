@@ -197,7 +197,7 @@ impl FixtureParser {
         }
         if self.accept("terminate") {
             self.expect("(");
-            return Action::Terminate(self.expression(0));
+            return Action::Terminate { message: self.expression(0), guard: None };
         }
         if self.accept("reinit") {
             self.expect("(");

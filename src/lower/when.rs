@@ -177,18 +177,27 @@ fn lower_action(
                 return;
             };
             let value = if signed.negative { r.graph.neg(value) } else { value };
-            let mut active = active;
-            if let Some(guard) = guard {
-                let guard = r.apply(*guard, RelationMode::Literal, origin);
-                active = r.graph.and(active, guard);
-            }
+            let active = guarded_activation(active, *guard, origin, r);
             let origin = origin.clone();
             actions.reinits.push(Reinit { active, state: signed.variable, value, origin });
         }
         Action::Assert(assert) => actions.asserts.push(guarded(Some(active), assert, origin, r)),
-        Action::Terminate(message) => {
+        Action::Terminate { message, guard } => {
             let message = r.apply(*message, RelationMode::Literal, origin);
+            let active = guarded_activation(active, *guard, origin, r);
             actions.terminates.push(Terminate { active, message, origin: origin.clone() });
         }
     }
+}
+
+/// Whether an action is due: its branch is active and its own condition holds.
+fn guarded_activation(
+    active: ExprId,
+    guard: Option<ExprId>,
+    origin: &Origin,
+    r: &mut Rewriting<'_>,
+) -> ExprId {
+    let Some(guard) = guard else { return active };
+    let guard = r.apply(guard, RelationMode::Literal, origin);
+    r.graph.and(active, guard)
 }

@@ -144,7 +144,7 @@ fn pairs(flat: &mut FlatModel) -> Vec<ComparedPair> {
                         Action::Assign(v, e) | Action::Reinit { state: v, value: e, .. } => {
                             assigned.push((*v, *e, span));
                         }
-                        Action::Assert(_) | Action::Terminate(_) => {}
+                        Action::Assert(_) | Action::Terminate { .. } => {}
                     }
                 }
             }

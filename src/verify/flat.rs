@@ -92,10 +92,10 @@ fn kind(flat: &FlatModel, kind: &EquationKind, found: &mut Vec<String>) {
                             assigned(flat, *v, *e, found);
                         }
                         Action::Assert(assert) => message(flat, assert, found),
-                        Action::Terminate(e) if ty(*e) != Type::String => {
+                        Action::Terminate { message, .. } if ty(*message) != Type::String => {
                             found.push("terminate() without a string".to_owned());
                         }
-                        Action::Terminate(_) => {}
+                        Action::Terminate { .. } => {}
                     }
                 }
             }

@@ -40,6 +40,7 @@ mod report;
 mod results;
 mod rounding;
 mod rows;
+mod sections;
 mod sensitivity;
 mod stages;
 mod start;

@@ -104,7 +104,7 @@ fn value(action: &Action) -> Option<Root> {
     match action {
         Action::Assign(_, e) => Some((*e, None)),
         Action::Reinit { value, guard, .. } => Some((*value, *guard)),
-        Action::Assert(_) | Action::Terminate(_) => None,
+        Action::Assert(_) | Action::Terminate { .. } => None,
     }
 }
 

@@ -68,11 +68,7 @@ impl ModelPrinter<'_> {
         match action {
             Action::Assign(v, e) => self.assignment(*v, *e),
             Action::Reinit { state, value, guard } => {
-                if let Some(guard) = guard {
-                    self.out.push_str("if ");
-                    self.expression(*guard);
-                    self.out.push_str(" then ");
-                }
+                self.guard(*guard);
                 self.out.push_str("reinit(");
                 self.name(*state);
                 self.out.push_str(", ");
@@ -80,11 +76,21 @@ impl ModelPrinter<'_> {
                 self.out.push_str(if guard.is_some() { "); end if" } else { ")" });
             }
             Action::Assert(a) => self.assertion(a),
-            Action::Terminate(message) => {
+            Action::Terminate { message, guard } => {
+                self.guard(*guard);
                 self.out.push_str("terminate(");
                 self.expression(*message);
-                self.out.push(')');
+                self.out.push_str(if guard.is_some() { "); end if" } else { ")" });
             }
+        }
+    }
+
+    /// The condition of an action, if it has one.
+    fn guard(&mut self, guard: Option<ExprId>) {
+        if let Some(guard) = guard {
+            self.out.push_str("if ");
+            self.expression(guard);
+            self.out.push_str(" then ");
         }
     }
 

@@ -80,7 +80,6 @@ equation
   end when;
 end ByNumber;
 //@ expect same = 1
-//@ expect known = 2
 //@ expect later at 0.3, 1 = 1, 3
 //@ expect back at 0.3, 1 = 1, 3
 
@@ -88,6 +87,7 @@ end ByNumber;
 model TooFar
   type E = enumeration(a, b, c);
   Integer k(start = 1, fixed = true);
+  //@ error[MO0912] 9-12
   E e = E(k);
 equation
   when time > 0.5 then

@@ -343,7 +343,6 @@ end M;
 //@ expect r = 3
 
 //@ case return_after_break
-//@ run also=flat
 model M
   function certain
     input Real x;
@@ -395,7 +394,7 @@ model M
   end nested;
   function in_while
     input Real x;
-    output Integer n;
+    output Real n;
   algorithm
     n := 0;
     while n < 10 loop
@@ -413,7 +412,7 @@ model M
   Real b1 = certain(0.5 + s), r1 = certain(1.5 + s);
   Real b2 = perhaps(0.5 + s), r2 = perhaps(1.5 + s), r3 = perhaps(2.5 + s);
   Real n1 = nested(0.5 + s), n2 = nested(1.8 + s), n3 = nested(2.2 + s);
-  Integer w1 = in_while(1.5 + s), w2 = in_while(5.5 + s);
+  Real w1 = in_while(1.5 + s), w2 = in_while(5.5 + s);
 end M;
 //@ expect b1, r1 = 1001, 1
 //@ expect b2, r2, r3 = 1001, 1, 2

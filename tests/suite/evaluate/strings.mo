@@ -66,8 +66,8 @@ end Texts;
 // Each is what `printf` of C writes.
 model Formats
   Integer n(start = 7, fixed = true);
-  Real x = 3.5 + time;
-  parameter Boolean known = String(7, format = "05d") == "00007" and String(3.5, format = "08.3f") == "0003.500"
+  discrete Real x(start = 3.5, fixed = true);
+  Boolean known = String(7, format = "05d") == "00007" and String(3.5, format = "08.3f") == "0003.500"
     and String(7, format = " d") == " 7" and String(2.0, format = "#.0f") == "2." and String(7, format = "5.3d") == "  007"
     and String(7, format = "+d") == "+7" and String(255, format = "x") == "ff" and String(255, format = "#X") == "0XFF"
     and String(8, format = "o") == "10" and String(65, format = "c") == "A" and String(7, format = "u") == "7";
@@ -76,6 +76,7 @@ model Formats
 equation
   when time > 0.5 then
     n = 8;
+    x = -3.5;
   end when;
 end Formats;
 //@ expect known at start = 1

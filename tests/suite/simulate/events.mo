@@ -215,6 +215,7 @@ end Latch;
 model Contradiction
   Boolean y(start = false, fixed = true), z(start = false, fixed = true);
 equation
+  //@ error[MO0905] 3-
   when sample(0.1, 0.1) then
     y = not z;
   end when;
@@ -228,6 +229,7 @@ end Contradiction;
 model Count
   Integer y(start = 0, fixed = true);
 equation
+  //@ error[MO0905] 3-
   when sample(0.1, 0.1) then
     y = y + 1;
   end when;
@@ -247,3 +249,17 @@ equation
   end when;
 end Solvable;
 //@ expect y, z = 2, 1
+
+//@ case terminate_under_a_condition
+model Until
+  Integer n(start = 0, fixed = true);
+equation
+  when sample(0.1, 0.1) then
+    n = pre(n) + 1;
+    if n >= 3 then
+      terminate("enough");
+    end if;
+  end when;
+end Until;
+//@ expect n = 3
+//@ expect time = 0.3 abs 1e-12
