@@ -986,7 +986,7 @@ package EffectTests
 
     model ActuatorUpperLimit
       extends Check;
-      Effects.ActuatorUpperLimit effect(a = 0.75, y_max = 2, u = time - 3);
+      Effects.ActuatorUpperLimit effect(a = 0.75, y_max = 2, delta = 1e-9, u = time - 3);
     equation
       found = {effect.y};
       exact = {if time < 5 then time - 3 else 2 + 0.25*(time - 5)};
