@@ -299,7 +299,11 @@ impl<'a> Explainer<'a> {
             && variable.name.starts_with(ROUNDED)
             && let Some((value, _)) = self.discrete(v)
         {
-            return self.text(value);
+            // What rounds time reads the value before: its first value shows the function.
+            return match dae.graph.node(value) {
+                Node::If(c, first, _) if dae.graph.node(c) == Node::Initial => self.text(first),
+                _ => self.text(value),
+            };
         }
         variable.name.clone()
     }

@@ -263,3 +263,17 @@ equation
 end Until;
 //@ expect n = 3
 //@ expect time = 0.3 abs 1e-12
+
+//@ case rounded_time_at_the_event_of_a_clock
+// The event is described by the function that rounds, although its value depends on the one before.
+model Rounded
+  Real v = floor(time), u = ceil(time - 0.5);
+  discrete Real x(start = 0, fixed = true);
+equation
+  when sample(1, 1) then
+    x = pre(x) + v;
+  end when;
+  annotation(experiment(StopTime = 3.2));
+end Rounded;
+//@ expect x = 1 + 2 + 3
+//@ expect v, u = 3, 3
