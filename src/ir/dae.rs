@@ -164,6 +164,11 @@ pub struct Variable {
 }
 
 impl Variable {
+    /// True for an input that the surroundings of the model set.
+    pub fn is_input(&self) -> bool {
+        self.kind == VariableKind::Input
+    }
+
     /// A variable about which nothing more is known.
     pub fn new(name: impl Into<String>, ty: Type, kind: VariableKind, span: Span) -> Variable {
         Variable {
