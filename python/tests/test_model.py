@@ -139,5 +139,5 @@ def test_wrong_sources_are_one_clear_exception():
         mocc.compile(3)
     with pytest.raises(mocc.RequestError, match="compiled model"):
         mocc.compile(mocc.compile(NAMED))
-    with pytest.raises(mocc.ModelError, match="xyz"):
+    with pytest.raises(mocc.RequestError, match="xyz"):
         mocc.compile(NAMED, set={"n": "xyz"})
