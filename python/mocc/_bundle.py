@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable
 from os import PathLike, fspath
 from pathlib import Path
+from typing import Any
 
 from mocc._errors import RequestError
 
@@ -68,3 +69,10 @@ def check_travels(file: str | None, text: str | None) -> None:
             f"`{file}` is a part of a package, which does not travel to workers with it; name the folder that contains the"
             " package with `lib`, and the model with `model`"
         )
+
+
+def check_executor(executor: Any) -> None:
+    """Errors: it cannot be given work."""
+    if executor is not None and not callable(getattr(executor, "submit", None)):
+        raise RequestError(f"`executor` is a {type(executor).__name__}; give a `concurrent.futures.Executor`, or None for"
+                           " threads of this process")

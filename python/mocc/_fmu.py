@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from mocc._errors import Error, ModelError, RequestError
-from mocc._model import _expression, settings_of, source_of
+from mocc._model import Model, _expression, settings_of, source_of
 
 _RUNTIME = Path(__file__).with_name("libmocc_fmu.so")
 
@@ -47,6 +47,8 @@ def export_fmu(
     if type not in ("me", "cs", "both"):
         raise RequestError(f"type is {type!r}, not 'me', 'cs' or 'both'")
     offer_runtime()
+    if isinstance(path_or_text, Model):
+        raise RequestError("`export_fmu` takes the file or the text of a model, not a compiled one; `set` sets its parameters")
     file, text = source_of(path_or_text)
     with tempfile.TemporaryDirectory() as folder:
         if text is not None:

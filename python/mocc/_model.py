@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 
 from mocc import _mocc
-from mocc._errors import ModelWarning, RequestError, SimulationError
+from mocc._errors import Error, ModelWarning, RequestError, SimulationError
 from mocc._frames import Numbers, columns_of, finite, names_of, packed, view
 from mocc._linear import Linearization, SteadyState
 from mocc._result import Result, _near
@@ -104,7 +104,12 @@ class Model:
     @property
     def inputs(self) -> list[str]:
         """Names of the inputs that `simulate(inputs=...)` may drive."""
-        return self._native.inputs()
+        return list(self._inputs)
+
+    @cached_property
+    def _inputs(self) -> dict[str, str]:
+        """What each input takes: `number`, `Boolean` or `Integer`."""
+        return dict(self._native.inputs())
 
     @cached_property
     def flat(self) -> str:
@@ -137,8 +142,8 @@ class Model:
         `inputs` drives inputs of the model: a table with a column `time` (or times as its index) and a column for each
         input, or a mapping from inputs to signals. A signal is a function of time (sampled eight times between two rows,
         with a monotone cubic between samples), a pair `(times, values)`, a Series over time, or values spread evenly
-        over the run. `interpolation` is for values that are not functions. Inputs that are not driven keep their start
-        value.
+        over the run. `interpolation` is for values that are not functions. A Boolean input is true where its signal is
+        not 0, and it and an Integer keep each value until the next. Inputs that are not driven keep their start value.
         `events="last"` keeps one row at each instant, the one after an event; `"both"` keeps the rows before and after,
         as the command does.
 
@@ -238,7 +243,8 @@ class Model:
     ) -> dict[str, Any]:
         if tolerance is not None:
             _number("tolerance", tolerance)
-        held = [(name, _number(name, value)) for name, value in (inputs or {}).items()]
+        held = [(name, _number(name, float(value) if isinstance(value, (bool, np.bool_)) else value))
+                for name, value in (inputs or {}).items()]
         names = None if outputs is None else list(outputs)
         return _mocc.linear_system(self._native, kind, time, list(states.items()), settings_of(set or {}), held, names,
                                    tolerance)
@@ -297,18 +303,27 @@ class Model:
                 raise RequestError(f"the model has no input `{name}` that can be driven"
                                    f"{_near(name, self.inputs) or f'; its inputs are: {known}'}")
             what = f"the signal for `{name}`"
-            how = interpolation
+            if signal is None:
+                raise RequestError(f"{what} is None; leave `{name}` out to keep its start value")
+            takes = self._inputs[name]
+            how = interpolation if takes == "number" else "hold"
             if callable(signal):
                 count = max(2, math.ceil((end - start) / spacing - 1e-9) * SAMPLES + 1)
                 times = np.linspace(start, end, min(count, 10_000_001))
                 values = finite([_called(signal, t, name) for t in times.tolist()], what)
-                how = "monotone"
+                if takes == "number":
+                    how = "monotone"
+                else:
+                    times, values = _switching(signal, times, values, name)
             else:
                 times, values = _sampled(signal, start, end, what)
             if len(times) != len(values):
                 raise RequestError(f"{what} has {len(times)} times and {len(values)} values")
             if len(times) == 0:
                 raise RequestError(f"{what} is empty")
+            if takes == "Integer" and np.any(values != np.round(values)):
+                row = int(np.flatnonzero(values != np.round(values))[0])
+                raise RequestError(f"{what} is {values[row]} in row {row}, and `{name}` is an Integer")
             back = np.flatnonzero(np.diff(times) <= 0)
             if back.size:
                 row = int(back[0]) + 1
@@ -335,17 +350,51 @@ def compile(
 
     `path_or_text` is a file, or the text of one: a string with a line break or a semicolon is a text. Without it, `model`
     is a model of a library. `model` is its full name; without it the last model of the file that is not partial.
-    `set` overrides parameters by their dotted names, in SI units. `lib` lists folders with libraries, in addition to
+    `set` overrides parameters by their dotted names, in SI units; a String parameter takes a string as it is. `lib` lists folders with libraries, in addition to
     `MODELICAPATH` and the shipped library.
 
     Errors: `ModelError` with all diagnostics if the model is wrong, `RequestError` if a file, a model or a parameter does
     not exist. Warnings are `ModelWarning`.
     """
     file, text = source_of(path_or_text)
-    settings = [_expression(name, value) for name, value in settings_of(set or {})]
     if isinstance(lib, (str, PathLike)):
         lib = [lib]
-    return Model(file, text, model, settings, [fspath(folder) for folder in lib])
+    folders = [fspath(folder) for folder in lib]
+    given = settings_of(set or {})
+
+    def made(settings: list[tuple[str, float | str]]) -> Model:
+        return Model(file, text, model, [_expression(*setting) for setting in settings], folders)
+
+    try:
+        return made(given)
+    except Error:
+        quoted = _with_quotes(given, made)
+        if quoted == given:
+            raise
+    return made(quoted)
+
+
+def _with_quotes(given: list[tuple[str, float | str]], made: Callable[[Any], Model]) -> list[tuple[str, float | str]]:
+    """Settings with quotes around the values of String parameters that are no expressions of the model."""
+    others = [(name, value) for name, value in given if not isinstance(value, str)]
+    if others == given:
+        return given
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            strings = made(others)._native.strings()
+    except Error:
+        return given
+    plain = [(name, "".join(name.split()), value) for name, value in given]
+    return [(name, quoted(value) if isinstance(value, str) and known in strings else value)
+            for name, known, value in plain]
+
+
+def quoted(text: str) -> str:
+    """A string of Modelica; one that is written as such stays."""
+    if text.startswith('"'):
+        return text
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'
 
 
 def source_of(path_or_text: str | PathLike[str] | None) -> tuple[str | None, str | None]:
@@ -354,6 +403,10 @@ def source_of(path_or_text: str | PathLike[str] | None) -> tuple[str | None, str
         return "<text>", path_or_text
     if path_or_text is None:
         return None, None
+    if not isinstance(path_or_text, (str, PathLike)):
+        if isinstance(path_or_text, Model):
+            raise RequestError("this is a compiled model; give its file or its text")
+        raise RequestError(f"`path_or_text` is a {type(path_or_text).__name__}; give the path of a file, or its text")
     return fspath(path_or_text), None
 
 
@@ -405,6 +458,21 @@ def _called(function: Callable[[float], float], t: float, name: str) -> float:
         raise
 
 
+def _switching(function: Callable[[float], float], times: Numbers, values: Numbers, name: str) -> tuple[Numbers, Numbers]:
+    """The instants at which a function takes another value, found to the last digit between its samples."""
+    found_times, found_values = [times[0]], [values[0]]
+    for k in np.flatnonzero(np.diff(values)):
+        low, high = float(times[k]), float(times[k + 1])
+        while low < (middle := 0.5 * (low + high)) < high:
+            if _called(function, middle, name) == values[k]:
+                low = middle
+            else:
+                high = middle
+        found_times.append(high)
+        found_values.append(_called(function, high, name))
+    return finite(found_times, f"the time of `{name}`"), finite(found_values, f"the signal for `{name}`")
+
+
 def _over_time(frame: Any) -> dict[str, tuple[Any, Any]]:
     columns = columns_of(frame)
     time = columns.pop("time", None)
@@ -413,6 +481,9 @@ def _over_time(frame: Any) -> dict[str, tuple[Any, Any]]:
         if index is None or callable(index):
             raise RequestError("the table of inputs has no column `time`; its columns are "
                                + ", ".join(names_of(frame)))
+        if type(index).__name__ == "RangeIndex" and getattr(index, "name", None) is None:
+            raise RequestError("the table of inputs has no column `time`, and its index counts rows; add a column `time`, s,"
+                               " or make the times its index")
         time = index
         columns.pop(str(getattr(index, "name", None)), None)
     return {name: (time, values) for name, values in columns.items()}

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mocc import _mocc
-from mocc._bundle import Folders, beside, check_travels
+from mocc._bundle import Folders, beside, check_executor, check_travels
 from mocc._bundle import packed as packed_folders
 from mocc._cluster import Bundle, Fits, Spreader, Task, Team
 from mocc._errors import ModelWarning, RequestError
@@ -231,6 +231,7 @@ def calibrate(
     Errors: `RequestError` if the plan or a recording is wrong, such as a missing column or a wrong unit; `ModelError`;
     `SimulationError` if the model cannot be simulated at the start. Ctrl-C raises `KeyboardInterrupt`.
     """
+    check_executor(executor)
     if starts < 1:
         raise RequestError(f"`starts` is {starts}; it is the number of fits")
     fmus = _allowed(allow_fmu, plan, keys)
@@ -263,6 +264,7 @@ def diagnose(
     `effects` is a folder with further effects, in addition to the shipped ones. `time_limit`, s, ends the search with the
     best verdict so far. The other arguments, and the errors, are those of `calibrate`.
     """
+    check_executor(executor)
     if time_limit is not None and _number("time_limit", time_limit) < 0:
         raise RequestError(f"`time_limit` is {time_limit} s, which is negative")
     fmus = _allowed(allow_fmu, plan, keys)
@@ -373,6 +375,8 @@ def _study(plan: Any, data: Mapping[str, Any] | None, table: Any, folder: Any,
     recordings = [(str(name), _frame(frame, str(name))) for name, frame in (data or {}).items()]
     rows = None if table is None else _strings(table)
     path, text, model = "plan", None, None
+    if plan is not None and not isinstance(plan, (str, PathLike, Mapping)):
+        raise RequestError(f"`plan` is a {type(plan).__name__}; give a plan file, or a mapping with the keys of a plan")
     if isinstance(plan, (str, PathLike)):
         if keys:
             raise RequestError(f"`{next(iter(keys))}` belongs into the plan file; give either a file or keys")
@@ -381,6 +385,8 @@ def _study(plan: Any, data: Mapping[str, Any] | None, table: Any, folder: Any,
         given = {**(plan or {}), **keys}
         if not given:
             raise RequestError("give a plan file, or the keys of a plan such as `model`, `signals` and `free`")
+        if not recordings and rows is None and not {"recordings", "data"} & given.keys():
+            raise RequestError("`data` is missing; map names of recordings to tables, or name files in `recordings`")
         model = _model(given)
         given.setdefault("data", {"folder": "." if folder is None else fspath(folder)})
         if "recordings" not in given and rows is None and "table" not in given["data"]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from mocc import _mocc
-from mocc._bundle import beside, check_travels, packed
+from mocc._bundle import beside, check_executor, check_travels, packed
 from mocc._cluster import Bundle, Team, lines
 from mocc._errors import RequestError
 from mocc._model import METHODS, Model, _number, _one_of, _setting
@@ -58,6 +58,14 @@ def sweep(
     for name, value in (("stop", stop), ("interval", interval), ("tolerance", tolerance)):
         if value is not None:
             _number(name, value)
+    if not isinstance(model, Model):
+        raise RequestError(f"`model` is a {type(model).__name__}; give a model that `mocc.compile` has made")
+    if not isinstance(vary, Mapping):
+        raise RequestError(f"`vary` is a {type(vary).__name__}; map names of parameters to lists of values")
+    if not isinstance(measures or {}, Mapping):
+        raise RequestError(f"`measures` is a {type(measures).__name__}; map names to expressions, such as"
+                           ' {"t": "when(x > 1)"}')
+    check_executor(executor)
     if not vary:
         raise RequestError("`vary` is empty; map parameters to lists of values")
     if sample is not None and sample < 1:
@@ -128,7 +136,7 @@ def _points(name: str, values: Any, sample: int | None) -> tuple[float, float] |
         if sample is None or len(values) != 2:
             raise RequestError(f"`{name}` has a tuple; give a list of values, or `(lowest, highest)` with `sample`")
         return _number(name, values[0]), _number(name, values[1])
-    if isinstance(values, (str, bool, int, float)):
+    if isinstance(values, (str, bool, int, float, np.generic)):
         values = [values]
     if not isinstance(values, Iterable):
         raise RequestError(f"`{name}` varies over a {type(values).__name__}; give a list of values")

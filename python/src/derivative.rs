@@ -12,7 +12,7 @@ use mocc::runtime::jit::tiering::Execution;
 use mocc::simulate::failure::Failure;
 use mocc::simulate::linearize::{Linearization, linearize};
 use mocc::simulate::operating_point::OperatingPoint;
-use mocc::simulate::ports::{hold, named};
+use mocc::simulate::ports::{discrete_value, hold, named};
 use mocc::simulate::run::simulate_with_sensitivities;
 use mocc::simulate::sensitivity::Input;
 use mocc::simulate::settable::settable;
@@ -102,8 +102,15 @@ pub fn linear_system<'py>(
         let outputs = variables(program, outputs.as_ref().unwrap_or(&ports.outputs))?;
         let mut given = Vec::new();
         for (name, value) in &inputs {
+            if ports.discrete_inputs.contains(name) {
+                let found = variables(program, std::slice::from_ref(name))?;
+                for v in found {
+                    given.push((v, discrete_value(program, v, *value).map_err(wrong)?));
+                }
+                continue;
+            }
             let k = ports.inputs.iter().position(|n| n == name).ok_or_else(|| {
-                let all = ports.inputs.join(", ");
+                let all = ports.all_inputs().join(", ");
                 let all = if all.is_empty() { "none" } else { &all };
                 wrong(format!("the model has no input `{name}`; its inputs are: {all}"))
             })?;

@@ -201,11 +201,25 @@ impl Model {
         program.blocks.states.iter().map(|s| program.name(s.variable)).collect()
     }
 
-    /// Names of the inputs that a run may drive.
-    fn inputs(&self) -> Vec<&str> {
+    /// Names of the inputs that a run may drive, with what they take: `number`, `Boolean` or `Integer`.
+    fn inputs(&self) -> Vec<(&str, &str)> {
         let variables = self.base.program.blocks.dae.variables.iter();
-        let inputs = variables.filter(|v| v.kind == VariableKind::Input && v.ty == Type::Real);
-        inputs.map(|v| v.name.as_str()).collect()
+        let inputs = variables.filter(|v| v.kind == VariableKind::Input && !v.hidden);
+        let takes = |ty: Type| match ty {
+            Type::Real => Some("number"),
+            Type::Boolean => Some("Boolean"),
+            Type::Integer | Type::Enumeration(_) => Some("Integer"),
+            Type::String | Type::Clock => None,
+        };
+        inputs.filter_map(|v| Some((v.name.as_str(), takes(v.ty)?))).collect()
+    }
+
+    /// Names of the String parameters.
+    fn strings(&self) -> Vec<&str> {
+        let variables = self.base.program.blocks.dae.variables.iter();
+        let strings =
+            variables.filter(|v| v.ty == Type::String && v.kind == VariableKind::Parameter);
+        strings.map(|v| v.name.as_str()).collect()
     }
 
     /// The flat model as Modelica.
@@ -312,6 +326,9 @@ impl Model {
             let name = mocc::base::name::without_spaces(&name);
             match setting {
                 Setting::Number(x) if settable(base, &name).is_some() => of_run.push((name, x)),
+                Setting::Text(text) if self.strings().contains(&name.as_str()) => {
+                    of_program.push(format!("{name}={}", quoted(&text)));
+                }
                 other => of_program.push(format!("{name}={}", other.value().expression())),
             }
         }
@@ -349,6 +366,15 @@ impl Model {
         all.push((key, Arc::clone(&made)));
         Ok(made)
     }
+}
+
+/// A string of Modelica; one that is written as such stays.
+fn quoted(text: &str) -> String {
+    if text.starts_with('"') {
+        return text.to_owned();
+    }
+    let escaped = text.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n");
+    format!("\"{escaped}\"")
 }
 
 /// The program of a request, and the warnings of the compiler.

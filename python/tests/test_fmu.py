@@ -14,9 +14,15 @@ from conftest import TANK
 RUNTIME = Path(mocc.__file__).with_name("libmocc_fmu.so")
 
 
+def stand_in(folder):
+    """A file that looks like a library with the functions of FMI 2."""
+    path = folder / "runtime.so"
+    path.write_bytes(b"\x7fELF a stand-in \0fmi2Instantiate\0fmi2DoStep\0fmi2GetDerivatives\0")
+    return path
+
+
 def test_an_fmu_holds_the_model_and_its_runtime(tmp_path):
-    runtime = tmp_path / "runtime.so"
-    runtime.write_bytes(b"a stand-in")
+    runtime = stand_in(tmp_path)
     path = mocc.export_fmu(TANK, tmp_path / "tank.fmu", set={"x_0": 3}, fmi=2, type="cs", runtime=runtime)
     with zipfile.ZipFile(path) as archive:
         names = set(archive.namelist())
@@ -70,7 +76,11 @@ def test_wrong_arguments(tmp_path):
     with pytest.raises(mocc.RequestError, match="fmi is 4"):
         mocc.export_fmu(TANK, tmp_path / "tank.fmu", fmi=4)
     with pytest.raises(mocc.ModelError, match="MO0"):
-        mocc.export_fmu("model M Real x = ; end M;", tmp_path / "m.fmu", runtime=__file__)
+        mocc.export_fmu("model M Real x = ; end M;", tmp_path / "m.fmu", fmi=2, runtime=stand_in(tmp_path))
+    with pytest.raises(mocc.RequestError, match="MO1322"):
+        mocc.export_fmu(TANK, tmp_path / "m.fmu", runtime=__file__)
+    with pytest.raises(mocc.RequestError, match="not a compiled one"):
+        mocc.export_fmu(mocc.compile(TANK), tmp_path / "m.fmu")
 
 
 @pytest.mark.skipif(RUNTIME.exists() or "MOCC_FMU_RUNTIME" in os.environ, reason="the runtime is here")

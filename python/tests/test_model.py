@@ -119,3 +119,25 @@ def test_a_model_pickles_as_its_source(tmp_path):
     again = pickle.loads(pickle.dumps(m))
     assert again.parameters["k"].value == 1
     assert (again.simulate()["x"] == m.simulate()["x"]).all()
+
+
+NAMED = 'model Named parameter String name = "abc"; parameter Integer n = 1; Real x = time; end Named;'
+
+
+@pytest.mark.parametrize("value", ["xyz", "two words", 'a "quote"', "back\\slash", "n"])
+def test_strings_are_values_of_string_parameters(value):
+    model = mocc.compile(NAMED, set={"name": value, "n": 3}) if value != "n" else mocc.compile(NAMED)
+    if value != "n":
+        assert model.parameters["name"].value == value and model.parameters["n"].value == 3
+    assert mocc.compile(NAMED, set={"name": '"quoted"'}).parameters["name"].value == "quoted"
+    # A run takes it, too.
+    model.simulate(set={"name": value})
+
+
+def test_wrong_sources_are_one_clear_exception():
+    with pytest.raises(mocc.RequestError, match="`path_or_text` is a int"):
+        mocc.compile(3)
+    with pytest.raises(mocc.RequestError, match="compiled model"):
+        mocc.compile(mocc.compile(NAMED))
+    with pytest.raises(mocc.RequestError, match="xyz"):
+        mocc.compile(NAMED, set={"n": "xyz"})

@@ -93,6 +93,12 @@ def test_inputs_are_functions_pairs_or_values(tank):
     assert np.allclose(wave["x"], exact, atol=1e-5)
 
 
+def test_a_table_without_times_is_refused(tank):
+    pandas = pytest.importorskip("pandas")
+    with pytest.raises(mocc.RequestError, match="no column `time`, and its index counts rows"):
+        tank.simulate(inputs=pandas.DataFrame({"u": [0.0, 1.0, 2.0]}))
+
+
 def test_inputs_are_tables(tank):
     pandas = pytest.importorskip("pandas")
     t = np.linspace(0, 4, 5)
@@ -101,6 +107,45 @@ def test_inputs_are_tables(tank):
     for table in (frame, frame.set_index("time"), frame.set_index("time")["u"].to_frame(), {"time": t, "u": t}):
         assert (tank.simulate(inputs=table)["x"] == expected).all()
     assert (tank.simulate(inputs={"u": frame.set_index("time")["u"]})["x"] == expected).all()
+
+
+SWITCHED = """
+model Switched
+  input Boolean on(start = false);
+  input Integer level(start = 0);
+  Real x(start = 0, fixed = true);
+  Integer switched(start = 0, fixed = true);
+equation
+  der(x) = if on then 1 else level;
+  when on then
+    switched = pre(switched) + 1;
+  end when;
+end Switched;
+"""
+
+
+def test_boolean_and_integer_inputs_keep_their_values():
+    model = mocc.compile(SWITCHED)
+    assert model.inputs == ["on", "level"]
+    # True in two intervals: x is their length.
+    result = model.simulate(1, inputs={"on": lambda t: 0.2 < t < 0.53125 or t > 0.8})
+    assert result["x"][-1] == pytest.approx(0.33125 + 0.2, abs=1e-9) and result["switched"][-1] == 2
+    assert model.simulate(1, inputs={"on": ([0, 0.25, 0.5], [0, 1, 0])})["x"][-1] == pytest.approx(0.25, abs=1e-12)
+    assert model.simulate(1, inputs={"on": [True]})["x"][-1] == pytest.approx(1, abs=1e-12)
+    table = {"time": [0, 0.5, 0.75], "on": [False, True, False], "level": [2, 0, 4]}
+    assert model.simulate(1, inputs=table)["x"][-1] == pytest.approx(2 * 0.5 + 0.25 + 4 * 0.25, abs=1e-12)
+    assert model.simulate(1)["x"][-1] == 0
+    with pytest.raises(mocc.RequestError, match="is 0.5 in row 1, and `level` is an Integer"):
+        model.simulate(1, inputs={"level": ([0, 1], [0, 0.5])})
+
+
+def test_boolean_and_integer_inputs_at_rest():
+    model = mocc.compile("model Rest input Boolean on(start = false); input Integer k(start = 1); "
+                         "Real x(start = 0, fixed = true); equation der(x) = (if on then 3 else 0) + k - x; end Rest;")
+    assert model.steady_state(inputs={"on": True, "k": 4})["x"] == pytest.approx(7)
+    assert model.steady_state()["x"] == pytest.approx(1)
+    with pytest.raises(mocc.RequestError, match="`k` is an Integer, and 0.5 is none"):
+        model.steady_state(inputs={"k": 0.5})
 
 
 @pytest.mark.parametrize(
@@ -116,6 +161,7 @@ def test_inputs_are_tables(tank):
         ({"u": [[1.0]]}, "2 dimensions"),
         ({"u": lambda t: float("nan")}, "nan in row 0"),
         (3, "expected a table"),
+        ({"u": None}, "`u` is None; leave `u` out"),
     ],
 )
 def test_wrong_inputs_are_one_clear_exception(tank, inputs, text):

@@ -154,7 +154,8 @@ impl Problems {
     }
 }
 
-/// The candidate closest to `wanted`, for "did you mean": at most a third of its letters differ.
+/// The candidate closest to `wanted`, for "did you mean": at most a third of its letters differ. One that differs in case
+/// and underscores alone comes first.
 pub fn did_you_mean<'a>(
     wanted: &str,
     candidates: impl IntoIterator<Item = &'a str>,
@@ -163,15 +164,20 @@ pub fn did_you_mean<'a>(
     candidates
         .into_iter()
         .filter(|c| *c != wanted)
-        .map(|c| (edit_distance(wanted, c), c))
-        .filter(|(d, _)| *d <= limit)
+        .map(|c| (letters(c) != letters(wanted), edit_distance(wanted, c), c))
+        .filter(|(is_other, d, _)| !is_other || *d <= limit)
         .min()
-        .map(|(_, c)| c)
+        .map(|(.., c)| c)
 }
 
 /// The remedy "did you mean" if there is a candidate, else another one.
 pub fn did_you_mean_or(near: &Option<String>, otherwise: impl Into<String>) -> Option<String> {
     Some(near.as_ref().map_or_else(|| otherwise.into(), |near| format!("did you mean `{near}`?")))
+}
+
+/// A name without case and underscores.
+fn letters(name: &str) -> String {
+    name.chars().filter(|c| *c != '_').flat_map(char::to_lowercase).collect()
 }
 
 /// Case-insensitive Damerau-Levenshtein distance (optimal string alignment).
@@ -205,6 +211,9 @@ mod tests {
         assert_eq!(did_you_mean("p_suply", names), Some("p_supply"));
         assert_eq!(did_you_mean("t_dwlel", names), Some("t_dwell"));
         assert_eq!(did_you_mean("velocity", names), None);
+        // One edit makes either of them, but only one is the same word.
+        assert_eq!(did_you_mean("f0", ["f", "c0", "f_0"]), Some("f_0"));
+        assert_eq!(did_you_mean("TStart", ["start", "T_start"]), Some("T_start"));
     }
 
     #[test]

@@ -173,10 +173,14 @@ fn file_problem(path: &std::path::Path, why: String) -> Box<Diagnostic> {
 /// The shared library and where it was found: where the user says, or next to this program.
 fn runtime(options: &ExportFmu) -> Result<(Vec<u8>, PathBuf), Box<Diagnostic>> {
     if let Some(path) = &options.runtime {
-        let read = read_library(path);
-        return read
-            .map(|bytes| (bytes, path.clone()))
-            .map_err(|why| file_problem(path, why.to_string()));
+        let bytes = read_library(path).map_err(|why| file_problem(path, why.to_string()))?;
+        return match is_runtime(&bytes, &options.fmi) {
+            true => Ok((bytes, path.clone())),
+            false => {
+                let (path, fmi) = (path.display().to_string(), options.fmi.clone());
+                Err(Box::new(Diagnostic::new(FmuCause::NotARuntime { path, fmi }, Span::NONE)))
+            }
+        };
     }
     let mut places: Vec<PathBuf> = Vec::new();
     places.extend(std::env::var_os("MOCC_FMU_RUNTIME").map(PathBuf::from));
@@ -194,6 +198,22 @@ fn runtime(options: &ExportFmu) -> Result<(Vec<u8>, PathBuf), Box<Diagnostic>> {
     let looked: Vec<String> = places.iter().map(|p| format!("`{}`", p.display())).collect();
     let cause = FmuCause::NoRuntime { looked: looked.join(", ") };
     Err(Box::new(Diagnostic::new(cause, Span::NONE)))
+}
+
+/// Whether a file is a shared library, of any system, that exports the functions of a version of FMI. Exported names end
+/// in a zero byte in all formats.
+fn is_runtime(bytes: &[u8], fmi: &str) -> bool {
+    const BEGINNINGS: [&[u8]; 4] = [b"\x7fELF", b"MZ", b"\xcf\xfa\xed\xfe", b"\xca\xfe\xba\xbe"];
+    let names: &[&str] = match fmi {
+        "2" => &["fmi2Instantiate\0", "fmi2DoStep\0", "fmi2GetDerivatives\0"],
+        _ => &[
+            "fmi3InstantiateCoSimulation\0",
+            "fmi3DoStep\0",
+            "fmi3GetContinuousStateDerivatives\0",
+        ],
+    };
+    let holds = |name: &&str| bytes.windows(name.len()).any(|part| part == name.as_bytes());
+    BEGINNINGS.iter().any(|magic| bytes.starts_with(magic)) && names.iter().all(holds)
 }
 
 /// The user's own sources: those of the shipped library are in every mocc.

@@ -1,9 +1,10 @@
-//! Ctrl-C: the run ends after the current step, and the results so far are written. Sole user of
-//! `ctrlc`.
+//! Ctrl-C: the run ends after the current step, and the results so far are written. A call of an FMU that does not return
+//! is given up. Sole user of `ctrlc`.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::Status;
+use crate::fmu::import::remote::give_up_calls;
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 
@@ -14,6 +15,7 @@ pub fn listen() {
         if REQUESTED.swap(true, Ordering::Relaxed) {
             std::process::exit(Status::Interrupted as i32);
         }
+        give_up_calls();
     };
     // Without the handler Ctrl-C ends the process; files are never left half written.
     let _ = ctrlc::set_handler(handler);

@@ -17,7 +17,7 @@ use crate::report::chart::{Chart, chart, svg};
 use crate::simulate::failure::Failure;
 use crate::simulate::linearize::{Linearization, linearize};
 use crate::simulate::operating_point::OperatingPoint;
-use crate::simulate::ports::{hold, named};
+use crate::simulate::ports::{discrete_value, hold, named};
 use crate::simulate::settings::Settings;
 
 /// Prints a steady state.
@@ -168,10 +168,17 @@ fn ports_of(
         let wrong =
             || format!("`--input {text}`: write NAME=VALUE, a number in SI units or with its unit");
         let (name, value) = text.split_once('=').ok_or_else(wrong)?;
+        if ports.discrete_inputs.iter().any(|n| n == name.trim()) {
+            given.push(
+                discrete(program, name.trim(), value.trim())
+                    .map_err(|why| why.unwrap_or_else(wrong))?,
+            );
+            continue;
+        }
         let value = quantity::read(value).filter(|x| x.value.is_finite()).ok_or_else(wrong)?;
         let at = ports.inputs.iter().position(|n| n == name.trim()).ok_or_else(|| {
-            let known =
-                if ports.inputs.is_empty() { "none".into() } else { ports.inputs.join(", ") };
+            let all = ports.all_inputs();
+            let known = if all.is_empty() { "none".into() } else { all.join(", ") };
             format!("the model has no input `{}`; its inputs are: {known}", name.trim())
         })?;
         let declared = &program.blocks.dae.variables[inputs[at]].unit;
@@ -184,6 +191,18 @@ fn ports_of(
         given.push((inputs[at], shown));
     }
     Ok((inputs, outputs, given))
+}
+
+/// A discrete input and the value that is given. Errors: why, or that it is no value at all.
+fn discrete(program: &Program, name: &str, text: &str) -> Result<(VarId, f64), Option<String>> {
+    let found = named(program, &[name.to_owned()]).map_err(|_| None)?;
+    let v = *found.first().ok_or(None)?;
+    let value = match text {
+        "true" => 1.0,
+        "false" => 0.0,
+        number => number.parse().map_err(|_| None)?,
+    };
+    Ok((v, discrete_value(program, v, value).map_err(Some)?))
 }
 
 fn point<'p>(

@@ -25,9 +25,25 @@ fn read_once() -> String {
     TEXT.get_or_init(standard_input).clone()
 }
 
+/// What a file is that is no table, by its extension, and what to do with it.
+fn other_kind(path: &Path) -> Option<&'static str> {
+    let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+    match extension.as_str() {
+        "mo" | "mol" | "fmu" => {
+            Some("it holds a model, which `mocc simulate` runs, with a table and a picture")
+        }
+        "toml" => Some("it holds a plan, whose results `mocc calibrate` and `diagnose` draw"),
+        "svg" | "png" | "html" => Some("it holds a picture; draw the table that it is made from"),
+        _ => None,
+    }
+}
+
 impl Table {
     /// Reads a table, and converts columns to other units. The error is a message.
     pub fn read(path: &Path, units: &[(String, String)]) -> Result<Table, String> {
+        if let Some(why) = other_kind(path) {
+            return Err(format!("{} is not a table: {why}", path.display()));
+        }
         let mut content = match is_standard(path) {
             true => NumberTable::of_bytes(path, read_once().as_bytes())?,
             false => NumberTable::read(path)?,

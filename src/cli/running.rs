@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::args::model::{Model, is_standard};
 use super::args::running::{Running, method_named};
-use super::{Status, explain, project, style};
+use super::{Status, explain, interrupt, project, style};
 use crate::base::render::render;
 use crate::base::source::SourceMap;
 use crate::codegen::recording;
@@ -67,7 +67,7 @@ pub(super) fn settings(options: &Running, model: &Model, experiment: &Experiment
 pub(super) fn failed(failure: &Failure, sources: &SourceMap) -> Status {
     eprintln!("{}", render(&failure.diagnostic, sources, style()));
     explain::remember([&*failure.diagnostic]);
-    failure.kind.into()
+    if interrupt::is_requested() { Status::Interrupted } else { failure.kind.into() }
 }
 
 /// `valve52` for `examples/valve52.mol`, the last part of the model's name without a file.

@@ -41,6 +41,10 @@ causes! {
         error MO0111 NotAModelFile { path: String, why: &'static str }
             => ("`{path}` is not a file of models, which ends in `.mo` or `.mol`"),
             help("{why}");
+        /// The start value of a variable that is the same as another one.
+        error MO1420 StartOfAlias { name: String, root: String }
+            => ("the start value of `{name}` has no effect: `{name}` is the same as `{root}`, whose start value counts"),
+            help("set `{root}.start` instead");
         /// A flat model is too large to be printed.
         error MO0275 FlatModelTooLarge { why: String }
             => ("{why}"),
@@ -51,7 +55,7 @@ causes! {
             remedy(did_you_mean_or(near, "declare it as `input Real` without a value of its own"));
         /// A recording should drive a variable that is not a free input.
         error MO1030 NotDrivable { name: String }
-            => ("`{name}` is not a Real input without a value, so no recording can drive it"),
-            help("declare it as `input Real` without a value of its own");
+            => ("`{name}` is not an input without a value, so no signal can drive it"),
+            help("declare it as `input Real`, `input Boolean` or `input Integer` without a value of its own");
     }
 }

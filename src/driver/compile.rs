@@ -15,6 +15,7 @@ use super::subject::{find, model};
 use crate::base::activity;
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::index::FastMap;
+use crate::base::name::{split_unquoted, without_spaces};
 use crate::base::source::{SourceMap, Span};
 use crate::classes::ClassGraph;
 use crate::evaluate::Evaluator;
@@ -25,8 +26,8 @@ use crate::fmu::import::model::Integrating;
 use crate::ir::assembly::Assembly;
 use crate::ir::ast;
 use crate::ir::blocks::Blocks;
-use crate::ir::dae::VariableKind;
-use crate::ir::expr::{Type, VarId};
+use crate::ir::dae::{Dae, VariableKind};
+use crate::ir::expr::{Node, Type, VarId};
 use crate::ir::flat::FlatModel;
 use crate::ir::foreign::ForeignModel;
 use crate::ir::instance::ClassId;
@@ -115,6 +116,8 @@ pub struct Session {
     pub is_last: bool,
     /// How long each stage took, in order.
     pub times: Vec<(&'static str, Duration)>,
+    /// Variables whose start values the last request sets.
+    pub starts: Vec<String>,
     /// The FMU of the last request, if it named one.
     pub foreign: Option<Arc<dyn ForeignModel>>,
 }
@@ -153,6 +156,10 @@ impl Session {
         let mut library = Library::new(super::files::folders(request));
         let file = self.read(request, &mut library)?;
         self.checked(CompileError::Model)?;
+        let names = request.settings.iter().filter_map(|s| split_unquoted(s, '='));
+        let starts = names
+            .filter_map(|(name, _)| without_spaces(name).strip_suffix(".start").map(str::to_owned));
+        self.starts = starts.collect();
         let mut settings = Vec::with_capacity(request.settings.len());
         let mut quantities = Vec::new();
         for (at, text) in request.settings.iter().enumerate() {
@@ -312,12 +319,37 @@ impl Session {
         self.drive_computed(&mut flat);
         let between = crate::lower::homotopy::homotopy_model(&flat);
         let blocks = self.sort(flat)?;
+        self.check_starts(&blocks.dae)?;
         let mut program = self.generate_for(blocks, form, differentiated)?;
         let tearing = self.start_tearing;
         program.continuation =
             between.and_then(|flat| continuation(flat, &program, tearing)).map(Box::new);
         self.attach_foreign(&mut program);
         Ok(program)
+    }
+
+    /// Reports start values that are set and that the variable they would have to be set at does not have.
+    fn check_starts(&mut self, dae: &Dae) -> Result<(), CompileError> {
+        for name in &self.starts {
+            let found = dae.variables.enumerate().find(|(_, v)| v.name == *name);
+            let root = found.and_then(|(id, _)| {
+                let (_, value) = dae.eliminated.iter().find(|(v, _)| *v == id)?;
+                match dae.graph.node(*value) {
+                    Node::Var(root) => Some(root),
+                    _ => None,
+                }
+            });
+            let (Some((_, own)), Some(root)) = (found, root.map(|root| &dae.variables[root]))
+            else {
+                continue;
+            };
+            if own.start != root.start {
+                let cause =
+                    RequestCause::StartOfAlias { name: name.clone(), root: root.name.clone() };
+                self.problems.push(Diagnostic::new(cause, Span::NONE));
+            }
+        }
+        self.checked(CompileError::Request)
     }
 
     pub(super) fn checked(&self, wrong: CompileError) -> Result<(), CompileError> {

@@ -18,6 +18,16 @@ pub struct Ports {
     pub inputs: Vec<String>,
     /// Names of the outputs.
     pub outputs: Vec<String>,
+    /// Its inputs that change at events alone: Booleans, Integers, enumerations and discrete Reals. They can be driven,
+    /// too.
+    pub discrete_inputs: Vec<String>,
+}
+
+impl Ports {
+    /// The names of all inputs that can be driven.
+    pub fn all_inputs(&self) -> Vec<&str> {
+        self.inputs.iter().chain(&self.discrete_inputs).map(String::as_str).collect()
+    }
 }
 
 /// A model for another tool.
@@ -63,8 +73,18 @@ impl Session {
         };
         let inputs = of(Causality::Input).filter(|(_, is_free)| *is_free).map(|(name, _)| name);
         let outputs = of(Causality::Output).map(|(name, _)| name);
-        let ports = Ports { inputs: inputs.collect(), outputs: outputs.collect() };
+        let discrete = flat.variables.iter().filter(|v| is_open_input(v) && is_discrete(v));
+        let ports = Ports {
+            inputs: inputs.collect(),
+            outputs: outputs.collect(),
+            discrete_inputs: discrete.map(|v| v.name.clone()).collect(),
+        };
         self.drive(&mut flat, &ports.inputs)?;
+        for k in flat.variables.ids() {
+            if is_open_input(&flat.variables[k]) && is_discrete(&flat.variables[k]) {
+                start(&mut flat, k);
+            }
+        }
         Ok((self.compile_flat(flat, request.form)?, ports))
     }
 
@@ -83,11 +103,8 @@ impl Session {
             }
             if v.ty == Type::Real && v.variability == Variability::Continuous {
                 driven.push(v.name.clone());
-            } else if v.start.is_none() {
-                // What can be set has a start value.
-                let value = f64::from(u8::from(matches!(v.ty, Type::Enumeration(_))));
-                let start = flat.graph.constant(Const::of_type(v.ty, value));
-                flat.variables[k].start = Some(start);
+            } else {
+                start(&mut flat, k);
             }
         }
         self.drive(&mut flat, &driven)?;
@@ -99,13 +116,9 @@ impl Session {
     pub fn drive(&mut self, flat: &mut FlatModel, inputs: &[String]) -> Result<(), CompileError> {
         for input in inputs {
             let found = flat.variables.enumerate().find(|(_, v)| v.name == *input);
-            let open = |v: &Variable| {
-                v.ty == Type::Real
-                    && v.variability == Variability::Continuous
-                    && v.causality == Some(Causality::Input)
-            };
             match found {
-                Some((id, v)) if v.binding.is_none() && open(v) => flat.recorded.push(id),
+                Some((id, v)) if is_open_input(v) && is_discrete(v) => start(flat, id),
+                Some((id, v)) if is_open_input(v) && v.ty == Type::Real => flat.recorded.push(id),
                 Some((_, v)) => {
                     let cause = RequestCause::NotDrivable { name: input.clone() };
                     self.problems.push(Diagnostic::new(cause, v.span));
@@ -121,5 +134,31 @@ impl Session {
             }
         }
         self.checked(CompileError::Request)
+    }
+}
+
+/// An input without a value of its own.
+fn is_open_input(v: &Variable) -> bool {
+    v.causality == Some(Causality::Input) && v.binding.is_none()
+}
+
+/// A variable whose values change at events alone, and are numbers in memory.
+fn is_discrete(v: &Variable) -> bool {
+    match v.ty {
+        Type::Real => v.variability == Variability::Discrete,
+        Type::Boolean | Type::Integer | Type::Enumeration(_) => {
+            v.variability > Variability::Parameter
+        }
+        Type::String | Type::Clock => false,
+    }
+}
+
+/// Gives a variable a start value: what can be set has one.
+fn start(flat: &mut FlatModel, k: VarId) {
+    if flat.variables[k].start.is_none() {
+        let ty = flat.variables[k].ty;
+        let value = f64::from(u8::from(matches!(ty, Type::Enumeration(_))));
+        let start = flat.graph.constant(Const::of_type(ty, value));
+        flat.variables[k].start = Some(start);
     }
 }

@@ -16,6 +16,10 @@ causes! {
                 near,
                 "write a unit as in a model: `bar`, `mm`, `l/min`, `degC`; without one the value is in SI units",
             ));
+        /// A value is relative to the ambient pressure, which only the model knows.
+        error MO1419 Gauge { setting: String, gauge: String, absolute: String }
+            => ("`{setting}` is relative to the ambient pressure, which the model decides"),
+            help("give the absolute pressure: at an ambient pressure of 1.01325 bar, {gauge} gauge are `{absolute}`");
         /// The unit of a value cannot be converted to that of its parameter.
         error MO1411 WrongUnit { name: String, declared: String, unit: String }
             => ("cannot convert `{unit}` to `{declared}`, the unit of `{name}`"),
@@ -96,6 +100,11 @@ pub(super) struct Given {
 pub(super) fn in_si(setting: &str) -> Result<(String, Option<Given>), QuantityCause> {
     let as_it_is = || Ok((setting.to_owned(), None));
     let Some((name, value)) = split_unquoted(setting, '=') else { return as_it_is() };
+    if let Some(gauge) = value.trim().strip_suffix(" gauge").and_then(read) {
+        let (gauge, absolute) = gauge_in_bar(gauge.value);
+        let absolute = format!("{}={absolute}", name.trim());
+        return Err(QuantityCause::Gauge { setting: setting.to_owned(), gauge, absolute });
+    }
     let Some((_, unit)) = split(value).filter(|(_, unit)| !unit.is_empty()) else {
         return as_it_is();
     };
@@ -108,6 +117,12 @@ pub(super) fn in_si(setting: &str) -> Result<(String, Option<Given>), QuantityCa
     let name = name.trim().to_owned();
     let text = format!("{name}={:?}", found.value);
     Ok((text, Some(Given { name, quantity: found })))
+}
+
+/// A gauge pressure in Pa, and the absolute one at the standard atmosphere, both in bar.
+fn gauge_in_bar(pressure: f64) -> (String, String) {
+    let bar = |pascal: f64| format!("{} bar", (pascal / 1e5 * 1e9).round() / 1e9);
+    (bar(pressure), bar(pressure + 101_325.0))
 }
 
 /// The size and zero of a unit of the user, in SI units, and what it measures.

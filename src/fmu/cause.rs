@@ -10,6 +10,10 @@ causes! {
             => ("the runtime of FMUs, `libmocc_fmu.so`, is not there; looked at {looked}"),
             help("build it with `cargo build --release`, which puts it next to `mocc`, install the Python package by \
                   `pip install ./python`, which holds it, or name it with `--runtime PATH`");
+        /// The file that should run exported models is none that can.
+        error MO1322 NotARuntime { path: String, fmi: String }
+            => ("`{path}` is not a shared library with the functions of FMI {fmi}"),
+            help("leave out `--runtime`, or name a `libmocc_fmu` that `cargo build --release` has made, perhaps on another system");
         /// States are selected while the model runs, which Model Exchange cannot express.
         error MO1301 StatesVary { model: String }
             => ("the states of `{model}` are selected while it runs, which Model Exchange cannot express"),

@@ -164,9 +164,14 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// True for an input of the model itself that no equation determines.
+    /// True for an input that the surroundings of the model set.
+    pub fn is_input(&self) -> bool {
+        self.kind == VariableKind::Input
+    }
+
+    /// True for such an input of the model itself.
     pub fn is_open_input(&self) -> bool {
-        self.kind == VariableKind::Input && !self.name.contains(['.', '[']) && !self.hidden
+        self.is_input() && !self.name.contains(['.', '[']) && !self.hidden
     }
 
     /// A variable about which nothing more is known.

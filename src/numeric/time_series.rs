@@ -62,6 +62,12 @@ impl TimeSeries {
         self.interpolation
     }
 
+    /// The same instants with other values, each of which is held until the next.
+    pub fn held(&self, value: impl Fn(f64) -> f64) -> Self {
+        let values = self.values.iter().map(|x| value(*x)).collect();
+        TimeSeries::new(Arc::clone(&self.times), values, Interpolation::Hold)
+    }
+
     /// The median time between two instants.
     pub fn spacing(&self) -> f64 {
         self.spacing

@@ -3,11 +3,13 @@
 //!
 //! The delay of such an input, `delay(u, T)` with a parameter `T`, is the same signal read a time `T` earlier: its past
 //! is known, so it needs no history, and it is smooth in `T` down to zero.
+//!
+//! A Boolean or Integer input takes each value of its signal at an event, and keeps it until the next.
 
 use std::sync::Arc;
 
-use crate::ir::expr::VarId;
-use crate::ir::program::{Layout, Slot};
+use crate::ir::expr::{Type, VarId};
+use crate::ir::program::{Program, Slot};
 use crate::numeric::time_series::{Interpolation, TimeSeries};
 
 /// The driven inputs of one run.
@@ -25,13 +27,16 @@ struct InputSignal {
     /// breakpoints it is fixed during a step, so that the step sees a smooth signal up to its end.
     interval: usize,
     has_breakpoints: bool,
+    /// The input changes at events alone, and steps between them may be long.
+    is_discrete: bool,
     /// Slots of the derivatives, in ascending order from 0.
     slots: Vec<Slot>,
 }
 
 impl InputSignals {
     /// Signals that drive inputs from the instant `t` on.
-    pub fn new(layout: &Layout, sources: &[(VarId, Arc<TimeSeries>)], t: f64) -> Self {
+    pub fn new(program: &Program, sources: &[(VarId, Arc<TimeSeries>)], t: f64) -> Self {
+        let layout = &program.layout;
         let one = |v: VarId, series: &Arc<TimeSeries>, delay: Option<Slot>| {
             let mut slots: Vec<(u32, Slot)> = layout
                 .signals
@@ -40,6 +45,16 @@ impl InputSignals {
                 .map(|(_, order, slot)| (*order, *slot))
                 .collect();
             slots.sort_unstable();
+            let variable = &program.blocks.dae.variables[v];
+            // Only a Real that varies continuously has a signal of its own to read.
+            let is_discrete = slots.is_empty() && variable.is_input();
+            let series = match is_discrete {
+                true => &Arc::new(series.held(|x| value_of(variable.ty, x))),
+                false => series,
+            };
+            if is_discrete {
+                slots.push((0, program.slot(v)));
+            }
             let has_breakpoints =
                 matches!(series.interpolation(), Interpolation::Hold | Interpolation::Linear);
             InputSignal {
@@ -47,6 +62,7 @@ impl InputSignals {
                 delay,
                 interval: series.interval(t, 0),
                 has_breakpoints,
+                is_discrete,
                 slots: slots.into_iter().map(|(_, slot)| slot).collect(),
             }
         };
@@ -91,6 +107,11 @@ impl InputSignals {
         self.signals.iter().filter(due).find_map(|p| p.delay)
     }
 
+    /// True if an input that changes at events alone may change at `t`.
+    pub fn has_event(&self, t: f64, memory: &[f64]) -> bool {
+        self.signals.iter().any(|p| p.is_discrete && p.next_breakpoint(memory) <= t)
+    }
+
     /// Advances past the breakpoints up to `t`; true if a value or rate that the program reads may
     /// jump there.
     pub fn advance_past(&mut self, t: f64, memory: &[f64]) -> bool {
@@ -106,7 +127,8 @@ impl InputSignals {
 
     /// The typical sampling interval of the signals; infinity if there are none.
     pub fn spacing(&self) -> f64 {
-        self.signals.iter().map(|p| p.series.spacing()).fold(f64::INFINITY, f64::min)
+        let continuous = self.signals.iter().filter(|p| !p.is_discrete);
+        continuous.map(|p| p.series.spacing()).fold(f64::INFINITY, f64::min)
     }
 
     /// Calls `visit` with each slot and its rate of change.
@@ -129,6 +151,15 @@ impl InputSignals {
             let pairs = p.slots.windows(2);
             pairs.map(move |pair| DelayedSlots { value: pair[0], rate: pair[1], delay })
         })
+    }
+}
+
+/// What a discrete variable of a type takes of a number.
+fn value_of(ty: Type, x: f64) -> f64 {
+    match ty {
+        Type::Boolean => f64::from(u8::from(x != 0.0)),
+        Type::Real => x,
+        _ => x.round(),
     }
 }
 

@@ -253,7 +253,7 @@ impl<'p> Machine<'p> {
 
     /// Drives inputs by recorded signals from the instant `t` on.
     pub fn set_input_signals(&mut self, signals: &[(VarId, Arc<TimeSeries>)], t: f64) {
-        self.input_signals = InputSignals::new(&self.program.layout, signals, t);
+        self.input_signals = InputSignals::new(self.program, signals, t);
         self.delays.leave_inputs(|input| signals.iter().any(|(v, _)| *v == input));
         self.input_signals.write_slots(t, &mut self.memory);
         self.delays.write_slots(t, &mut self.memory);

@@ -164,6 +164,8 @@ pub fn initialise_from(
         machine.copy(program.slot(v), start);
     }
     update_pre(machine);
+    // Discrete inputs that are driven have other values than those they start with.
+    machine.input_signals.write_slots(settings.start, &mut machine.memory);
     for &(slot, value) in guess {
         machine.set(slot, value);
     }

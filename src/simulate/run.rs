@@ -511,11 +511,12 @@ impl<'p, 's> Simulation<'p, 's> {
 
     /// Advances past a breakpoint of an input signal. It is an event only if a value or rate jumps, or
     /// if a clock `ticks` at the same instant; whatever is sampled there sees the value after the jump.
-    /// So is a jump that arrives with a delay, whose instant depends on a parameter.
+    /// So is a jump of a discrete input, and one that arrives with a delay, whose instant depends on a parameter.
     fn breakpoint(&mut self, t: f64, ticks: bool) -> Result<(), Failure> {
         let machine = &self.system.machine;
         let arrives = machine.input_signals.delay_of_jump(t, &machine.memory).is_some();
-        if arrives || machine.delays.next_breakpoint(&machine.memory) <= t {
+        let steps = machine.input_signals.has_event(t, &machine.memory);
+        if arrives || steps || machine.delays.next_breakpoint(&machine.memory) <= t {
             return self.event(t, Cause::Time);
         }
         self.record_history(t, false)?;

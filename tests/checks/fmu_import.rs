@@ -3,7 +3,10 @@
 //! tested by `tests/fmu/check.py`, and here too where the runtime of FMUs has been built.
 
 use std::fmt;
+use std::io::Read;
+use std::process::{Command, Stdio};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use mocc::base::diag::Diagnostic;
 use mocc::base::source::Span;
@@ -405,4 +408,39 @@ fn an_exported_model_comes_back() {
             assert!((value - expected).abs() < 1e-9, "{kind}: {}", ended.out);
         }
     }
+}
+
+/// A call that takes minutes is given up after Ctrl-C.
+#[test]
+fn ctrl_c_ends_a_call_that_does_not_return() {
+    let Some(runtime) = fmu_runtime() else { return };
+    let (folder, runtime) = (Scratch::new(), runtime.display().to_string());
+    folder.file(
+        "swing.mo",
+        "model Swing Real x(start = 1, fixed = true); Real v(start = 0, fixed = true);
+         equation der(x) = v; der(v) = -1e6*x; end Swing;",
+    );
+    let words = ["export", "fmu", "swing.mo", "--runtime", &runtime, "--quiet", "--type", "cs"];
+    let ended = mocc(folder.path(), &[&words[..], &["-o", "swing.fmu"]].concat());
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    // One step over half a million periods.
+    let words =
+        ["simulate", "swing.fmu", "--stop", "3e3", "--interval", "3e3", "--output", "out.csv"];
+    let mut child = Command::new(env!("CARGO_BIN_EXE_mocc"))
+        .current_dir(folder.path())
+        .args(words)
+        .stderr(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("mocc starts");
+    std::thread::sleep(Duration::from_secs(1));
+    let pressed = Instant::now();
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(sent.is_ok_and(|status| status.success()));
+    let mut said = String::new();
+    child.stderr.take().expect("a pipe").read_to_string(&mut said).expect("UTF-8");
+    let status = child.wait().expect("it ends");
+    assert!(pressed.elapsed() < Duration::from_secs(5), "{:?}", pressed.elapsed());
+    assert_eq!(status.code(), Some(130), "{said}");
+    assert!(said.contains("MO1316") && said.contains("swing.fmu"), "{said}");
 }

@@ -336,3 +336,60 @@ free = { k = { min = 0.05, max = 5 } }
         assert!(ended.err.contains(part), "{part}: {}", ended.err);
     }
 }
+
+/// A switch and a step of a model, and of its FMUs, driven by columns: the solution consists of straight lines.
+#[test]
+fn columns_drive_boolean_and_integer_inputs() {
+    let folder = Scratch::new();
+    let model = "model Fill
+  parameter Real rate = 1;
+  input Boolean open(start = false);
+  input Integer pumps(start = 0);
+  output Real x(start = 0, fixed = true);
+equation
+  der(x) = if open then rate*pumps else 0;
+  annotation(experiment(StopTime = 4));
+end Fill;
+";
+    folder.file("fill.mo", model);
+    let plan = "model = \"MODEL\"
+data = { folder = \".\" }
+recordings = [{ file = \"rows.csv\" }]
+time = { column = \"t\", unit = \"s\" }
+signals = { x = { variable = \"x\", unit = \"1\", sigma = 0.001 } }
+free = { rate = { min = 0.1, max = 10 } }
+[inputs]
+open = { input = \"open\", unit = \"1\", interpolation = \"linear\" }
+pumps = { input = \"pumps\", unit = \"1\", interpolation = \"hold\" }
+";
+    // Open from 1 s on, closed from 3 s on; two pumps, and five from 2 s on; three per pump and second.
+    let mut text = "t,open,pumps,x\n".to_owned();
+    for k in 0..=40 {
+        let t = 0.1 * f64::from(k);
+        let (open, pumps) = ((10..30).contains(&k), if k < 20 { 2 } else { 5 });
+        let x = 3.0 * (2.0 * (t - 1.0).clamp(0.0, 1.0) + 5.0 * (t - 2.0).clamp(0.0, 1.0));
+        writeln!(text, "{t},{},{pumps},{x}", u8::from(open)).expect("a String");
+    }
+    folder.file("rows.csv", &text);
+    let mut models = vec!["fill.mo".to_owned()];
+    if let Some(runtime) = fmu_runtime() {
+        let runtime = runtime.display().to_string();
+        for (fmi, kind) in [("2", "me"), ("3", "me"), ("2", "cs"), ("3", "cs")] {
+            let name = format!("fill_{kind}{fmi}.fmu");
+            let of = ["export", "fmu", "fill.mo", "--runtime", &runtime, "--quiet", "-o", &name];
+            succeeds(&folder, &[&of[..], &["--fmi", fmi, "--type", kind]].concat());
+            models.push(name);
+        }
+    }
+    for model in models {
+        folder.file("plan.toml", &plan.replace("MODEL", &model));
+        let mut words = vec!["calibrate", "plan.toml", "--no-profiles", "--out", "out"];
+        if model.ends_with(".fmu") {
+            words.extend(["--allow-fmu", &model]);
+        }
+        succeeds(&folder, &words);
+        let found = json(&folder, "out/calibration.json");
+        let rate = found["parameters"][0]["value"].as_f64().expect("a number");
+        assert!((rate - 3.0).abs() < 1e-4, "{model}: {rate}");
+    }
+}

@@ -224,3 +224,34 @@ fn wrong_requests_are_usage_errors() {
         assert_eq!((ended.status, ended.err.contains(said)), (2, true), "{}", ended.err);
     }
 }
+
+#[test]
+fn discrete_inputs_are_held() {
+    let model = "model Rest
+  input Boolean on(start = false);
+  input Integer k(start = 1);
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = (if on then 3 else 0) + k - x;
+end Rest;
+";
+    for (inputs, rest) in [
+        (&[][..], 1.0),
+        (&["on=true"][..], 4.0),
+        (&["on=1", "k=4"], 7.0),
+        (&["k=-2", "on=false"], -2.0),
+    ] {
+        let mut arguments = vec!["steady"];
+        inputs.iter().for_each(|input| arguments.extend(["--input", input]));
+        let found = json(model, &arguments);
+        assert_close(found["states"]["x"].as_f64().expect("a number"), rest, 1e-9);
+    }
+    for (input, said) in [
+        ("k=0.5", "`k` is an Integer, and 0.5 is none"),
+        ("on=2", "`on` is a Boolean; give true or false, or 1 or 0"),
+        ("of=1", "its inputs are: on, k"),
+    ] {
+        let (_, ended) = run(model, &["steady", "--input", input]);
+        assert!(ended.status == 2 && ended.err.contains(said), "{}", ended.err);
+    }
+}

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::values::{junit, page};
+use super::values::{folder, junit, page};
 
 /// Tests of models.
 #[derive(Args, Debug)]
@@ -104,7 +104,7 @@ pub enum LibraryCommand {
     /// Write the sources of the shipped library to a folder.
     Copy {
         /// The folder.
-        #[arg(value_name = "DIR")]
+        #[arg(value_name = "DIR", value_parser = folder)]
         folder: PathBuf,
     },
 }
@@ -121,7 +121,7 @@ pub struct Completions {
 #[derive(Args, Debug)]
 pub struct Man {
     /// Folder for the pages: mocc.1 and one for each command.
-    #[arg(value_name = "DIR")]
+    #[arg(value_name = "DIR", value_parser = folder)]
     pub folder: PathBuf,
     /// Print nothing but errors.
     #[arg(long, short)]
@@ -138,7 +138,7 @@ pub struct Doc {
     #[arg(long, value_enum, value_name = "FORMAT", default_value = "html")]
     pub format: PageFormat,
     /// Folder for the pages; index.html, or README.md, is the first.
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long, value_name = "DIR", value_parser = folder)]
     pub output: PathBuf,
     /// Folder with libraries, in addition to MODELICAPATH and the shipped library; repeatable.
     #[arg(long = "lib", value_name = "DIR")]

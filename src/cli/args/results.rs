@@ -76,7 +76,7 @@ pub struct Plot {
     #[arg(long = "heading", value_name = "TEXT")]
     pub headings: Vec<String>,
     /// Picture, .svg or .png; `-` prints it as SVG [default: the first FILE with .svg].
-    #[arg(long, value_name = "PATH", value_parser = picture)]
+    #[arg(short, long, value_name = "PATH", value_parser = picture)]
     pub output: Option<PathBuf>,
     /// Print nothing but errors.
     #[arg(long, short)]

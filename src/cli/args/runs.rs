@@ -19,7 +19,7 @@ pub struct Simulate {
     #[command(flatten)]
     pub running: Running,
     /// Result file, in one of the formats of `io::format`.
-    #[arg(long, value_name = "PATH", help = output_help())]
+    #[arg(short, long, value_name = "PATH", help = output_help())]
     pub output: Option<PathBuf>,
     /// Format of the results, if --output is - for the standard output.
     #[arg(long, value_name = "FORMAT", default_value = "csv")]
@@ -72,7 +72,7 @@ pub struct Report {
     #[command(flatten)]
     pub running: Running,
     /// The page, .html; `-` prints it [default: FILE with _report.html; none if only --diagram is given].
-    #[arg(long, value_name = "PATH", value_parser = page)]
+    #[arg(short, long, value_name = "PATH", value_parser = page)]
     pub output: Option<PathBuf>,
     /// Draw the components and their connections, .svg or .png; `-` prints them as SVG.
     #[arg(long, value_name = "PATH", value_parser = picture)]
@@ -128,7 +128,7 @@ pub struct Sweep {
     #[arg(long, value_name = "N")]
     pub jobs: Option<usize>,
     /// Folder for the results, or a table as .csv or .parquet; `-` prints it as CSV.
-    #[arg(long, value_name = "PATH")]
+    #[arg(short, long, value_name = "PATH")]
     pub output: PathBuf,
     /// Start again and replace existing results.
     #[arg(long, visible_alias = "force")]

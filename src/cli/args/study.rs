@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::model::{is_standard, request};
-use super::values::{json, plan, seconds};
+use super::values::{folder, json, plan, seconds};
 use crate::driver::compile::Request;
 
 /// A plan to be completed.
@@ -18,7 +18,7 @@ pub struct PlanSkeleton {
     #[arg(value_name = "DATA")]
     pub data: PathBuf,
     /// The plan, .toml [default: standard output].
-    #[arg(long, value_name = "FILE", value_parser = plan)]
+    #[arg(short, long, value_name = "FILE", value_parser = plan)]
     pub output: Option<PathBuf>,
     /// Full name of the model [default: the last model of FILE that is not partial].
     #[arg(long, value_name = "NAME")]
@@ -51,7 +51,7 @@ pub struct Study {
     #[arg(long, value_name = "FILE")]
     pub allow_fmu: Vec<PathBuf>,
     /// Folder for the results [default: PLAN-calibration or PLAN-diagnosis].
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = folder)]
     pub out: Option<PathBuf>,
     /// Print nothing but errors.
     #[arg(long, short)]
@@ -143,7 +143,7 @@ pub struct Optimize {
     #[arg(value_name = "PLAN")]
     pub plan: PathBuf,
     /// Folder for the results [default: PLAN-design].
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_parser = folder)]
     pub out: Option<PathBuf>,
     /// Number of threads [default: all cores].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]

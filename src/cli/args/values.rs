@@ -44,6 +44,18 @@ pub fn json(text: &str) -> Result<PathBuf, String> {
     file(text, &["json"])
 }
 
+/// A folder: the standard output, `-`, is none.
+pub fn folder(text: &str) -> Result<PathBuf, String> {
+    match text {
+        "-" => {
+            Err("several files are written, which the standard output cannot take; name a folder"
+                .to_owned())
+        }
+        "" => Err("name a folder".to_owned()),
+        path => Ok(PathBuf::from(path)),
+    }
+}
+
 /// A file with one of these extensions, or `-`.
 fn file(text: &str, known: &[&str]) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);

@@ -177,11 +177,18 @@ impl Host {
         })
     }
 
-    /// Sets time, states and inputs.
+    /// Sets time, states, and the inputs that may change between events.
     fn place(&self, point: &Point) -> Result<(), Trouble> {
         self.instance.set_time(point.t)?;
         self.instance.set_states(&point.states)?;
-        self.set(&point.inputs)
+        let groups = &self.load.groups;
+        let is_real = |(value, _): &&(usize, f64)| {
+            let next = groups.partition_point(|g| g.first <= *value);
+            let group = groups.get(next.wrapping_sub(1));
+            group.is_some_and(|g| matches!(g.passing, Passing::Float64 | Passing::Float32))
+        };
+        let inputs: Vec<(usize, f64)> = point.inputs.iter().filter(is_real).copied().collect();
+        self.set(&inputs)
     }
 
     /// From event mode to continuous-time mode.

@@ -18,6 +18,9 @@ pub fn set_program(_: Vec<OsString>) {}
 /// Without effect.
 pub fn set_limit(_: f64, _: Duration) {}
 
+/// Without effect.
+pub fn give_up_calls() {}
+
 /// Refuses to start.
 pub fn start(file: &str, _: Load) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault> {
     let why = "FMUs run on Linux and macOS only".to_owned();

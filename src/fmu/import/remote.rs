@@ -10,7 +10,8 @@ use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::process::{Child, Command, Stdio};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::message::{Answer, Load, Order, Point, receive, send};
@@ -25,6 +26,10 @@ use crate::ir::foreign::{
 pub const COMMAND: &str = "fmu-host";
 /// Longest time of one call, s.
 const LONGEST_CALL: Duration = Duration::from_secs(300);
+/// Longest time of one call when the run should end, ms.
+const LONGEST_LAST_CALL: u64 = 1000;
+/// How often such calls are looked for.
+const PERIOD: Duration = Duration::from_millis(100);
 /// Time for a child to end by itself.
 const LAST_CALL: Duration = Duration::from_secs(2);
 
@@ -32,6 +37,48 @@ const LAST_CALL: Duration = Duration::from_secs(2);
 static PROGRAM: OnceLock<Vec<OsString>> = OnceLock::new();
 /// When the command must have ended, and how many seconds it was given.
 static LIMIT: Mutex<Option<(Instant, f64)>> = Mutex::new(None);
+
+/// The connections to all children, by their process numbers.
+static LINES: Mutex<Vec<Line>> = Mutex::new(Vec::new());
+/// Calls that take long have been given up.
+static GIVEN_UP: AtomicBool = AtomicBool::new(false);
+/// Since when [`Line::busy_since`] counts.
+static CLOCK: OnceLock<Instant> = OnceLock::new();
+
+/// A connection that another thread can cut.
+struct Line {
+    process: u32,
+    stream: UnixStream,
+    /// When the call that runs began, in ms and from 1; 0 between calls.
+    busy_since: Arc<AtomicU64>,
+}
+
+/// The time, in ms and from 1.
+fn now() -> u64 {
+    1 + CLOCK.get_or_init(Instant::now).elapsed().as_millis() as u64
+}
+
+/// From here on calls that take long are given up: they end with the fault of an FMU that does not return.
+pub fn give_up_calls() {
+    GIVEN_UP.store(true, Ordering::Relaxed);
+    // Without a thread such calls end after their own limit.
+    let _ = std::thread::Builder::new().spawn(|| {
+        loop {
+            std::thread::sleep(PERIOD);
+            cut_long_calls();
+        }
+    });
+}
+
+/// Cuts the connections whose call has run for some time.
+fn cut_long_calls() {
+    for line in &*LINES.lock().unwrap_or_else(PoisonError::into_inner) {
+        let since = line.busy_since.load(Ordering::Relaxed);
+        if since > 0 && now().saturating_sub(since) >= LONGEST_LAST_CALL {
+            let _ = line.stream.shutdown(std::net::Shutdown::Both);
+        }
+    }
+}
 
 /// Names the program that children run, with its first arguments: any that calls `cli::main`.
 pub fn set_program(words: Vec<OsString>) {
@@ -69,6 +116,8 @@ pub struct Remote {
     states: usize,
     load: Load,
     ended: bool,
+    /// See [`Line::busy_since`].
+    busy_since: Arc<AtomicU64>,
 }
 
 fn fault(cause: FmuCause, messages: &[String], kind: ForeignFaultKind) -> ForeignFault {
@@ -105,6 +154,11 @@ impl Remote {
             .spawn()
             .map_err(failed)?;
         let states = load.state_count;
+        let busy_since = Arc::new(AtomicU64::new(0));
+        if let Ok(stream) = own.try_clone() {
+            let line = Line { process: child.id(), stream, busy_since: Arc::clone(&busy_since) };
+            LINES.lock().unwrap_or_else(PoisonError::into_inner).push(line);
+        }
         let mut remote = Remote {
             file: file.to_owned(),
             child,
@@ -114,6 +168,7 @@ impl Remote {
             states,
             load,
             ended: false,
+            busy_since,
         };
         remote.renew()?;
         Ok(remote)
@@ -135,7 +190,11 @@ impl Remote {
         if send(&mut self.stream, order, &mut self.buffer).is_err() {
             return Err(self.has_ended(doing));
         }
-        match receive::<Answer>(&mut self.stream, &mut self.buffer) {
+        let begun = now();
+        self.busy_since.store(begun, Ordering::Relaxed);
+        let answer = receive::<Answer>(&mut self.stream, &mut self.buffer);
+        self.busy_since.store(0, Ordering::Relaxed);
+        match answer {
             Ok(Answer::NotLoaded(why)) => Err(fault(
                 FmuCause::NotLoadable { path: path(), why },
                 &[],
@@ -159,6 +218,13 @@ impl Remote {
                 self.stop();
                 let what = format!("a call {doing}");
                 let cause = FmuCause::Hanging { path: path(), seconds, doing: what };
+                Err(fault(cause, &[], ForeignFaultKind::Final))
+            }
+            Err(_) if GIVEN_UP.load(Ordering::Relaxed) => {
+                self.stop();
+                let seconds = now().saturating_sub(begun) as f64 / 1e3;
+                let doing = format!("a call {doing}");
+                let cause = FmuCause::Hanging { path: path(), seconds, doing };
                 Err(fault(cause, &[], ForeignFaultKind::Final))
             }
             Err(_) => Err(self.has_ended(doing)),
@@ -320,6 +386,8 @@ impl ForeignInstance for Remote {
 
 impl Drop for Remote {
     fn drop(&mut self) {
+        let own = self.child.id();
+        LINES.lock().unwrap_or_else(PoisonError::into_inner).retain(|line| line.process != own);
         if self.ended {
             return;
         }

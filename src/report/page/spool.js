@@ -30,7 +30,11 @@ mocc.machine = (root, spool, data, value, column, heard) => {
   const middle = BODY + 44;
   // The scale of the pressure stands beside that of the stroke, or below it.
   const narrow = width < 720;
-  const picture = svg('svg', { viewBox: `0 0 ${width} ${2 * middle + (narrow ? 52 : 30)}`, role: 'img', 'aria-label': 'spool in its housing' }, root);
+  // Names of pistons and springs stand above their end, or below where a chamber has its name there; the scale makes room.
+  const drives = spool.drives.filter(d => d.chamber === null);
+  const isBelow = d => n > 0 && spool.seals[d.right ? n - 1 : 0][d.right ? 'right' : 'left'] !== null;
+  const lowered = drives.some(isBelow) ? 18 : 0;
+  const picture = svg('svg', { viewBox: `0 0 ${width} ${2 * middle + (narrow ? 52 : 30) + lowered}`, role: 'img', 'aria-label': 'spool in its housing' }, root);
   picture.style.maxWidth = `${1.25 * width}px`;
   const hatch = svg('pattern', { id: 'spool-hatch', width: 7, height: 7, patternUnits: 'userSpaceOnUse', patternTransform: 'rotate(45)' }, svg('defs', {}, picture));
   svg('rect', { width: 7, height: 7, fill: '#e9ecef' }, hatch);
@@ -113,14 +117,10 @@ mocc.machine = (root, spool, data, value, column, heard) => {
 
   // ---- What drives it: pistons and springs that no seal bounds ----
 
-  const drives = spool.drives.filter(d => d.chamber === null);
   const ends = drives.map(d => {
     const room = d.piston ? svg('rect', { y: -GROOVE, height: 2 * GROOVE }, air) : null;
     const spring = d.piston ? null : svg('path', { fill: 'none', stroke: '#3c4650', 'stroke-width': 2.2 }, scene);
-    // Above its end, or below where a chamber has its name there.
-    const named = n > 0 && spool.seals[d.right ? n - 1 : 0][d.right ? 'right' : 'left'] !== null;
-    const place = named ? { y: BODY + 52 } : { y: -BODY - 14 };
-    svg('text', { x: d.right ? right + 12 : left - 12, ...place, 'text-anchor': d.right ? 'end' : 'start', 'font-weight': 600 }, scene, d.name);
+    svg('text', { x: d.right ? right + 12 : left - 12, y: isBelow(d) ? BODY + 50 : -BODY - 14, 'text-anchor': d.right ? 'end' : 'start', 'font-weight': 600 }, scene, d.name);
     return { d, room, spring };
   });
 
@@ -150,7 +150,7 @@ mocc.machine = (root, spool, data, value, column, heard) => {
   const states = spool.seals.map((seal, k) => svg('text', { x: seat(k) + STROKE / 2, y: BODY + 33, 'text-anchor': 'middle' }, scene));
 
   // Stops: the range of the stroke below the housing, with a pointer.
-  const scaleY = BODY + 52;
+  const scaleY = BODY + 52 + lowered;
   const scaleX = width / 2 - (narrow ? 110 : 150);
   svg('path', { d: `M${scaleX} ${scaleY - 5}V${scaleY + 5}M${scaleX} ${scaleY}H${scaleX + 220}M${scaleX + 220} ${scaleY - 5}V${scaleY + 5}`, stroke: '#5b6470' }, scene);
   svg('text', { x: scaleX - 8, y: scaleY + 4, 'text-anchor': 'end' }, scene, `${mocc.number(1e3 * low)} mm`);

@@ -78,8 +78,8 @@ impl<'p> Rows<'p> {
                 continue;
             }
             let is_driven = settings.courses.iter().any(|(c, _)| c == v);
-            if let (true, Some(slot)) = (is_driven, signal(*v)) {
-                driven.push((variable.value, slot));
+            if is_driven {
+                driven.push((variable.value, signal(*v).unwrap_or_else(|| program.slot(*v))));
             }
             if has_expressions || wanted.contains(v) {
                 watched.push(Watched {
