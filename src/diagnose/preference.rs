@@ -88,10 +88,7 @@ pub fn sort_by_preference(
 }
 
 /// Puts the first law of the catalogue before a special case of it at the same place that explains the same.
-fn prefer_first_of_equals(
-    hypotheses: &mut [Hypothesis],
-    criterion: &impl Fn(&Hypothesis) -> f64,
-) {
+fn prefer_first_of_equals(hypotheses: &mut [Hypothesis], criterion: &impl Fn(&Hypothesis) -> f64) {
     const EQUAL: f64 = 0.5;
     let Some(first) = hypotheses.first() else { return };
     let Some(own) = first.effects.last() else { return };
