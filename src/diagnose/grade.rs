@@ -13,8 +13,8 @@ pub enum Grade {
     Curve,
     /// Other effects explain the recordings as well.
     Indistinguishable,
-    /// It explains most of what the model misses, but the residuals that remain are no noise: there is more to find, and
-    /// that may change this.
+    /// It explains most of the misfit, but the residuals still show structure: there is more to find, and that may change
+    /// this.
     Partial,
 }
 
@@ -38,7 +38,7 @@ impl Grade {
                 "cannot be distinguished from other effects that explain as much"
             }
             Grade::Partial => {
-                "not established: it explains most of the misfit, but the residuals are still no noise"
+                "not established: it explains most of the misfit, but the residuals still show structure"
             }
         }
     }
