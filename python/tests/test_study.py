@@ -150,7 +150,7 @@ def test_wrong_plans_and_recordings_are_one_clear_exception(change, frame, code)
         ({"plan": PLAN, "data": [1]}, "map names"),
         ({"plan": PLAN, "data": {"one": 3}}, "expected a table"),
         ({"plan": PLAN, "data": {"one": {"t": [1, 2], "level_mm": [1]}}}, "1 rows instead of 2"),
-        ({"plan": {**PLAN, "window": object()}, "data": {}}, "cannot hold a"),
+        ({"plan": {**PLAN, "window": object()}, "data": {"one": {"t": [0, 1], "level_mm": [1, 1]}}}, "cannot hold a"),
         ({"plan": "no_such.toml"}, "no_such.toml"),
     ],
 )
