@@ -247,12 +247,11 @@ fn conditions(program: &Program, plan: &Plan, problems: &mut Problems) -> Vec<Op
 
 /// Warns of inputs of the model that neither columns nor start values of the plan determine.
 fn warn_of_undriven(program: &Program, plan: &Plan, driven: &[VarId], problems: &mut Problems) {
-    for (v, x) in program.blocks.dae.variables.enumerate() {
+    let variables = program.blocks.dae.variables.enumerate();
+    for (v, x) in variables.filter(|(v, x)| x.is_open_input() && !driven.contains(v)) {
         let start = format!("start({})", x.name);
-        let is_set =
-            plan.starts.iter().any(|s| s.target == start) || plan.targets().contains(&start);
-        if x.is_open_input() && !driven.contains(&v) && !is_set {
-            let cause = PlanCause::NotDriven { input: x.name.clone() };
+        if !plan.starts.iter().any(|s| s.target == start) && !plan.targets().contains(&start) {
+            let cause = PlanCause::NotDriven { input: program.name(v).to_owned() };
             problems.push(Diagnostic::new(cause, x.span));
         }
     }

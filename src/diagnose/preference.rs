@@ -16,7 +16,8 @@ pub fn sort_by_preference(
 ) {
     let (study, policy) = (search.study, search.policy());
     hypotheses.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
-    prefer_first_of_equals(hypotheses, &criterion);
+    // A special case of a law that explains the same says no more.
+    prefer_earlier_law(hypotheses, &criterion, SAME_CRITERION);
     // An instrument is blamed only if no effect on the measured machine explains as much: an effect in proportion
     // to a pressure is also a scale error of its sensor. Where much is left, small differences mean little, except to
     // a parameter that varies, which follows what any other effect leaves.
@@ -64,7 +65,10 @@ pub fn sort_by_preference(
             hypotheses[..=k].rotate_right(1);
         }
     }
-    prefer_simple_variation(search, hypotheses, &criterion);
+    // Of the laws by which a parameter varies with a variable, the straight line is the first of the catalogue.
+    if hypotheses.first().is_some_and(varies) {
+        prefer_earlier_law(hypotheses, &criterion, policy.evidence);
+    }
     let Some(curve) = hypotheses.first().filter(|h| ends_with_curve(study, h)) else { return };
     let wanted = policy.parametric_share * explained(curve);
     let limit = policy.parametric_factor * curve.train.total();
@@ -87,38 +91,24 @@ pub fn sort_by_preference(
     }
 }
 
-/// Puts the first law of the catalogue before a special case of it at the same place that explains the same.
-fn prefer_first_of_equals(hypotheses: &mut [Hypothesis], criterion: &impl Fn(&Hypothesis) -> f64) {
-    const EQUAL: f64 = 0.5;
-    let Some(first) = hypotheses.first() else { return };
-    let Some(own) = first.effects.last() else { return };
-    let most = criterion(first) + EQUAL;
-    let is_earlier = |h: &Hypothesis| {
-        let other = h.effects.last();
-        other.is_some_and(|c| c.place == own.place && c.effect < own.effect) && criterion(h) < most
-    };
-    if let Some(k) = hypotheses.iter().position(is_earlier) {
-        hypotheses[..=k].rotate_right(1);
-    }
-}
+/// Difference of criteria below which two laws explain the same.
+const SAME_CRITERION: f64 = 0.5;
 
-/// Puts the first law of the catalogue, which begins with the straight line, before others by which the same parameter
-/// varies with the same variable, if it explains as much.
-fn prefer_simple_variation(
-    search: &Search<'_>,
+/// Puts an earlier law of the catalogue at the place of the first hypothesis before that, if its criterion is not greater by
+/// more than a margin.
+fn prefer_earlier_law(
     hypotheses: &mut [Hypothesis],
     criterion: &impl Fn(&Hypothesis) -> f64,
+    margin: f64,
 ) {
-    let varies = |h: &&Hypothesis| ends_with_variation(search.study, h);
-    let Some(first) = hypotheses.first().filter(varies) else { return };
+    let Some(first) = hypotheses.first() else { return };
     let Some(own) = first.effects.last() else { return };
-    let as_good = criterion(first) + search.policy().evidence;
-    let is_simpler = |h: &Hypothesis| {
+    let limit = criterion(first) + margin;
+    let is_earlier = |h: &Hypothesis| {
         let other = h.effects.last();
-        other.is_some_and(|c| c.place == own.place && c.effect < own.effect)
-            && criterion(h) < as_good
+        other.is_some_and(|c| c.place == own.place && c.effect < own.effect) && criterion(h) < limit
     };
-    if let Some(k) = hypotheses.iter().position(is_simpler) {
+    if let Some(k) = hypotheses.iter().position(is_earlier) {
         hypotheses[..=k].rotate_right(1);
     }
 }

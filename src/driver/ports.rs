@@ -73,7 +73,7 @@ impl Session {
         };
         let inputs = of(Causality::Input).filter(|(_, is_free)| *is_free).map(|(name, _)| name);
         let outputs = of(Causality::Output).map(|(name, _)| name);
-        let discrete = flat.variables.iter().filter(|v| is_open_input(v) && is_discrete(v));
+        let discrete = flat.variables.iter().filter(|v| v.is_open_input() && is_discrete(v));
         let ports = Ports {
             inputs: inputs.collect(),
             outputs: outputs.collect(),
@@ -81,7 +81,7 @@ impl Session {
         };
         self.drive(&mut flat, &ports.inputs)?;
         for k in flat.variables.ids() {
-            if is_open_input(&flat.variables[k]) && is_discrete(&flat.variables[k]) {
+            if flat.variables[k].is_open_input() && is_discrete(&flat.variables[k]) {
                 start(&mut flat, k);
             }
         }
@@ -98,7 +98,7 @@ impl Session {
         let mut driven = Vec::new();
         for k in flat.variables.ids() {
             let v = &flat.variables[k];
-            if v.causality != Some(Causality::Input) || v.binding.is_some() {
+            if !v.is_open_input() {
                 continue;
             }
             if v.ty == Type::Real && v.variability == Variability::Continuous {
@@ -117,8 +117,8 @@ impl Session {
         for input in inputs {
             let found = flat.variables.enumerate().find(|(_, v)| v.name == *input);
             match found {
-                Some((id, v)) if is_open_input(v) && is_discrete(v) => start(flat, id),
-                Some((id, v)) if is_open_input(v) && v.ty == Type::Real => flat.recorded.push(id),
+                Some((id, v)) if v.is_open_input() && is_discrete(v) => start(flat, id),
+                Some((id, v)) if v.is_open_input() && v.ty == Type::Real => flat.recorded.push(id),
                 Some((_, v)) => {
                     let cause = RequestCause::NotDrivable { name: input.clone() };
                     self.problems.push(Diagnostic::new(cause, v.span));
@@ -135,11 +135,6 @@ impl Session {
         }
         self.checked(CompileError::Request)
     }
-}
-
-/// An input without a value of its own.
-fn is_open_input(v: &Variable) -> bool {
-    v.causality == Some(Causality::Input) && v.binding.is_none()
 }
 
 /// A variable whose values change at events alone, and are numbers in memory.

@@ -176,8 +176,7 @@ pub struct Variable {
 impl Variable {
     /// True for an input of the model itself that nothing in the model determines.
     pub fn is_open_input(&self) -> bool {
-        let is_input = self.causality == Some(Causality::Input) && self.binding.is_none();
-        is_input && !self.name.contains('.')
+        self.causality == Some(Causality::Input) && self.binding.is_none()
     }
 
     /// A visible variable without attributes, binding or description.

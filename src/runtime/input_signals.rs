@@ -107,6 +107,13 @@ impl InputSignals {
         self.signals.iter().filter(due).find_map(|p| p.delay)
     }
 
+    /// True if a breakpoint of a delayed signal is due at `t`: there the derivative by the delay, which is the rate of the
+    /// signal, jumps.
+    pub fn has_delayed_breakpoint(&self, t: f64, memory: &[f64]) -> bool {
+        let mut delayed = self.signals.iter().filter(|p| p.delay.is_some());
+        delayed.any(|p| p.next_breakpoint(memory) <= t)
+    }
+
     /// True if an input that changes at events alone may change at `t`.
     pub fn has_event(&self, t: f64, memory: &[f64]) -> bool {
         self.signals.iter().any(|p| p.is_discrete && p.next_breakpoint(memory) <= t)

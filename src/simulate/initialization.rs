@@ -137,7 +137,6 @@ pub fn initialise_from(
     machine.set(program.layout.initial, 1.0);
     machine.run(&program.tapes.parameters).map_err(EventError::Fault)?;
     machine.input_signals.begin(settings.start, &machine.memory);
-    machine.input_signals.write_slots(settings.start, &mut machine.memory);
     // Check assertions about parameters first: their messages are better than those of
     // consequences.
     if let Some(k) = precondition::violated(machine) {
@@ -164,7 +163,7 @@ pub fn initialise_from(
         machine.copy(program.slot(v), start);
     }
     update_pre(machine);
-    // Discrete inputs that are driven have other values than those they start with.
+    // Discrete inputs that are driven have other values than those they start with, and delays are known by now.
     machine.input_signals.write_slots(settings.start, &mut machine.memory);
     for &(slot, value) in guess {
         machine.set(slot, value);

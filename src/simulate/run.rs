@@ -522,6 +522,7 @@ impl<'p, 's> Simulation<'p, 's> {
         self.record_history(t, false)?;
         self.complete_step(t)?;
         let machine = &mut self.system.machine;
+        let slopes_jump = machine.input_signals.has_delayed_breakpoint(t, &machine.memory);
         let jumps = machine.input_signals.advance_past(t, &machine.memory);
         if ticks || (jumps && !self.program.events.relation_triggers.is_empty()) {
             self.event(t, Cause::Time)?;
@@ -532,6 +533,8 @@ impl<'p, 's> Simulation<'p, 's> {
                 s.restart(t);
             }
             self.restart()?;
+        } else if let (true, Some(s)) = (slopes_jump, &mut self.sensitivity) {
+            s.restart(t);
         }
         if jumps && self.recorder.has_row_at(t) {
             self.record(t)?;

@@ -1,6 +1,7 @@
 //! The one door of the tests in process: from a text or file to a trajectory.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use mocc::base::diag::{Diagnostic, Severity};
@@ -8,6 +9,7 @@ use mocc::base::render::{Style, render, render_all};
 use mocc::driver::compile::{Request, Session};
 use mocc::ir::program::{Program, SystemForm};
 use mocc::ir::trajectory::{Column, Event, Trajectory, position};
+use mocc::numeric::time_series::TimeSeries;
 use mocc::runtime::jit::tiering::Execution;
 use mocc::simulate::record::Sink;
 use mocc::simulate::run::{simulate, simulate_with_sensitivities};
@@ -97,6 +99,21 @@ impl Case {
         settings.interval = self.interval.unwrap_or(settings.interval);
         settings.tolerance = self.tolerance.unwrap_or(settings.tolerance);
         Compiled { session, program, settings }
+    }
+    /// The same, with inputs that follow recordings.
+    pub fn compile_driven(&self, courses: &[(&str, TimeSeries)]) -> Compiled {
+        let mut session = Session::default();
+        let Ok((program, _)) = session.compile_with_ports(&self.request) else {
+            panic!("{}", said(&session));
+        };
+        let settings = Settings { tolerance: 1e-9, ..Settings::of(&program.blocks.dae.experiment) };
+        let mut compiled = Compiled { session, program, settings };
+        for (name, series) in courses {
+            let variables = &compiled.program.blocks.dae.variables;
+            let (id, _) = variables.enumerate().find(|(_, v)| v.name == *name).expect(name);
+            compiled.settings.courses.push((id, Arc::new(series.clone())));
+        }
+        compiled
     }
     /// The trajectory; panics with what the compiler or the run says.
     pub fn run(&self) -> Trajectory {

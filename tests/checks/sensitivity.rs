@@ -1,6 +1,8 @@
 //! Derivatives of runs by parameters and start values: against closed forms, and for the valve
 //! against differences of whole runs.
 
+use mocc::numeric::time_series::{Interpolation, TimeSeries};
+
 use super::door::{Case, Differentiated, Reading, assert_close, suite_model};
 
 /// Compares the derivatives of a column by an input with a closed form at every row.
@@ -36,6 +38,40 @@ fn decay_by_its_rate_and_its_start() {
     agrees(&run, 0, "x", |t| -3.0 * t * (-2.0 * t).exp(), 1e-7);
     agrees(&run, 1, "x", |t| (-2.0 * t).exp(), 1e-7);
     agrees(&run, 0, "y", |t| -18.0 * t * (-4.0 * t).exp(), 1e-7);
+}
+
+/// `x' = u(t - T)`: for a ramp `x = (t - T)^2/2`, after a step by 2 at 1 s `x = 2 (t - 1 - T)`.
+#[test]
+fn a_recorded_input_by_its_delay() {
+    let model = |delay: f64| {
+        format!(
+            "model Late
+               input Real u;
+               parameter Real T = {delay};
+               Real x(start = 0, fixed = true);
+               Real y = delay(u, T);
+             equation
+               der(x) = y;
+               annotation(experiment(StopTime = 3, Interval = 0.01));
+             end Late;"
+        )
+    };
+    let series = |times: &[f64], values: &[f64], interpolation| {
+        TimeSeries::new(times.into(), values.to_vec(), interpolation)
+    };
+    for delay in [0.3, 1e-7] {
+        let case = Case::text(&model(delay));
+        let ramp = series(&[0.0, 3.0], &[0.0, 3.0], Interpolation::Linear);
+        let run = case.compile_driven(&[("u", ramp)]).differentiate(&["T"]);
+        let late = move |t: f64| (t - delay).max(0.0);
+        assert_close(run.trajectory.last("x"), late(3.0).powi(2) / 2.0, 1e-8);
+        agrees(&run, 0, "x", |t| -late(t), 1e-6);
+        let step = series(&[0.0, 1.0, 3.0], &[0.0, 2.0, 2.0], Interpolation::Hold);
+        let run = case.compile_driven(&[("u", step)]).differentiate(&["T"]);
+        let after = move |t: f64| (t - 1.0 - delay).max(0.0);
+        assert_close(run.trajectory.last("x"), 2.0 * after(3.0), 1e-8);
+        agrees(&run, 0, "x", |t| if after(t) > 1e-9 { -2.0 } else { 0.0 }, 1e-6);
+    }
 }
 
 /// After the first impact at `t1 = sqrt(2 h0 / g)` the ball rises with `v1 = e g t1`:
