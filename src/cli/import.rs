@@ -21,17 +21,9 @@ pub fn run(options: &Import) -> Status {
     let stem = options.file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let class = options.name.clone().or(stem).unwrap_or_default();
     let output = options.output.clone().unwrap_or_else(|| PathBuf::from(format!("{class}.mo")));
-    let fmu = match model::open(&options.file, Some(model::Integrating::There)) {
+    let fmu = match model::open(&options.file, model::Integrating::RatherThere) {
         Ok(fmu) => fmu,
-        Err(diagnostic) => {
-            let needs = |cause: &FmuCause| matches!(cause, FmuCause::NotOffered { .. });
-            let path = options.file.display().to_string();
-            let refused = match diagnostic.is(needs) {
-                true => Diagnostic::new(FmuCause::NoComponent { path }, Span::NONE),
-                false => *diagnostic,
-            };
-            return refuse(&refused);
-        }
+        Err(diagnostic) => return refuse(&diagnostic),
     };
     let interface = fmu.interface();
     let file = named_in(&options.file, &output);

@@ -4,10 +4,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
-use crate::base::source::Span;
-use crate::fmu::cause::FmuCause;
 use crate::fmu::import::model::{Fmu, Integrating, open_shared};
 use crate::fmu::import::text::identifier;
 use crate::fmu::import::whole::{Whole, model, start_name};
@@ -43,14 +40,10 @@ impl Surrounded {
     /// Reads an FMU; its code is not loaded. Errors go to the session.
     pub fn open(session: &mut Session, file: &Path) -> Result<Surrounded, CompileError> {
         let path = file.display().to_string();
-        match open_shared(file, Some(Integrating::There)) {
+        match open_shared(file, Integrating::RatherThere) {
             Ok(fmu) => Ok(Surrounded { fmu, file: path }),
             Err(diagnostic) => {
-                let lacks = |cause: &FmuCause| matches!(cause, FmuCause::NotOffered { .. });
-                session.problems.push(match diagnostic.is(lacks) {
-                    true => Diagnostic::new(FmuCause::NoComponent { path }, Span::NONE),
-                    false => *diagnostic,
-                });
+                session.problems.push(*diagnostic);
                 Err(CompileError::Request)
             }
         }

@@ -86,10 +86,6 @@ causes! {
         error MO1318 NoProcess { path: String, why: String }
             => ("cannot start a process for `{path}`: {why}"),
             help("an FMU runs in a child process of `mocc`; check that the system allows it");
-        /// A component of a model needs an FMU that integrates itself.
-        error MO1319 NoComponent { path: String }
-            => ("`{path}` does not offer Co-Simulation, which an FMU inside a model needs"),
-            help("export it for Co-Simulation; `mocc simulate` and other commands take it as a whole model");
         /// An FMU that is a component of a model cannot go on.
         error MO1320 ComponentFailed { path: String, what: String }
             => ("`{path}`, a component of the model, failed: {what}"),

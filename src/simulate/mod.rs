@@ -13,7 +13,7 @@ pub mod cause;
 pub mod columns;
 pub mod extrema;
 pub mod failure;
-mod foreign;
+pub mod foreign;
 pub mod frequency_response;
 pub mod homotopy;
 pub mod initialization;

@@ -51,7 +51,6 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("MO1315", "needs an FMU, whose bytes are not text"),
     ("MO1316", "needs an FMU, whose bytes are not text"),
     ("MO1318", "needs an FMU, whose bytes are not text"),
-    ("MO1319", "needs an FMU, whose bytes are not text"),
     ("MO1320", "needs an FMU, whose bytes are not text"),
     ("MO1321", "its repair needs an FMU, whose bytes are not text"),
     ("MO1273", "the parser rejects every expression that is not a call"),

@@ -116,13 +116,29 @@ fn recording(number: usize, room: f64, flaws: Flaws) -> String {
 
 /// A folder with the heater as an FMU, the recordings and the plans; `None` without the runtime.
 fn study(flaws: Flaws) -> Option<Scratch> {
+    study_of("both", flaws)
+}
+
+/// The same with an FMU of a kind: `me`, `cs` or `both`.
+fn study_of(kind: &str, flaws: Flaws) -> Option<Scratch> {
     let runtime = fmu_runtime()?;
     let folder = Scratch::new();
     folder.file("heater.mo", HEATER);
     let runtime = runtime.display().to_string();
     let ended = mocc(
         folder.path(),
-        &["export", "fmu", "heater.mo", "--runtime", &runtime, "-o", "heater.fmu", "--quiet"],
+        &[
+            "export",
+            "fmu",
+            "heater.mo",
+            "--runtime",
+            &runtime,
+            "-o",
+            "heater.fmu",
+            "--quiet",
+            "--type",
+            kind,
+        ],
     );
     assert_eq!(ended.status, 0, "{}", ended.err);
     let mut table = "file,split,T_room\n".to_owned();
@@ -243,6 +259,16 @@ fn a_dead_zone_before_an_fmu_is_found() {
     let Some((found, ..)) = diagnosis(Flaws { dead: 12.0, ..FLAWLESS }) else { return };
     let (component, at) = first_effect(&found);
     assert_eq!((component, at), ("Effects.ActuatorDeadZone", "P"), "{found:#}");
+}
+
+/// An FMU that cannot integrate itself is integrated between its communication points.
+#[test]
+fn a_dead_zone_before_an_fmu_for_model_exchange_alone_is_found() {
+    let Some(folder) = study_of("me", Flaws { dead: 12.0, ..FLAWLESS }) else { return };
+    let words = ["diagnose", "plan.toml", "--allow-fmu", "heater.fmu", "--out", "out"];
+    succeeds(&folder, &words);
+    let found = json(&folder, "out/diagnosis.json");
+    assert_eq!(first_effect(&found), ("Effects.ActuatorDeadZone", "P"), "{found:#}");
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! An FMU as a component of a model: Co-Simulation, one child process for each run.
+//! An FMU as a component of a model, which steps from one communication point to the next: one child process for each
+//! run.
 //!
 //! In: what a run tells an instance, as a chain of messages. Out: the values that it computes.
 //! Messages are only noted; an instance executes them when a value of the state after them is read. It goes on from
@@ -106,7 +107,7 @@ pub struct FmuComponent {
 
 /// Opens an FMU for the component of a model that was imported from the one with this token.
 pub fn open(file: &Path, token: &str) -> Result<FmuComponent, String> {
-    let fmu = model::open_shared(file, Some(Integrating::There)).map_err(|d| d.message.clone())?;
+    let fmu = model::open_shared(file, Integrating::RatherThere).map_err(|d| d.message.clone())?;
     if fmu.token() != token {
         return Err("it is another FMU than the one that was imported; import it again".to_owned());
     }
@@ -256,7 +257,7 @@ impl FmuComponent {
             (f64::from_bits(start), messages.iter().filter_map(value).collect::<Vec<_>>())
         };
         values.sort_by_key(|(value, _)| *value);
-        let mut instance = self.fmu.start_again(&self.watched)?;
+        let mut instance = self.fmu.start_stepping(&self.watched)?;
         // The end is not known; a run may last longer than the default experiment of the FMU.
         let stop = f64::INFINITY;
         let tolerance = self.fmu.interface().experiment[3];

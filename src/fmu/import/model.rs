@@ -14,6 +14,7 @@ use crate::fmu::cause::FmuCause;
 use crate::fmu::description::Version;
 use crate::io::atomic_file::scratch_path;
 use crate::ir::foreign::{ForeignFault, ForeignInstance, ForeignInterface, ForeignModel};
+use crate::simulate::foreign::coupled::Coupled;
 
 /// Who integrates.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -22,6 +23,10 @@ pub enum Integrating {
     Here,
     /// The FMU: Co-Simulation.
     There,
+    /// mocc, or the FMU if it offers Co-Simulation only.
+    RatherHere,
+    /// The FMU, or mocc if it offers Model Exchange only.
+    RatherThere,
 }
 
 /// An unpacked FMU. Dropped, it removes its folder.
@@ -81,7 +86,7 @@ fn platforms(names: &[String]) -> String {
 /// An FMU that was opened before and is still in use.
 struct Known {
     file: PathBuf,
-    wanted: Option<Integrating>,
+    wanted: Integrating,
     /// Length and date of the file then.
     stamp: (u64, Option<SystemTime>),
     fmu: Weak<Fmu>,
@@ -92,7 +97,7 @@ static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
 
 /// As [`open`], but an FMU that is still in use is not unpacked again: a model with an FMU inside may be compiled
 /// hundreds of times.
-pub fn open_shared(file: &Path, wanted: Option<Integrating>) -> Result<Arc<Fmu>, Box<Diagnostic>> {
+pub fn open_shared(file: &Path, wanted: Integrating) -> Result<Arc<Fmu>, Box<Diagnostic>> {
     let full = file.canonicalize().unwrap_or_else(|_| file.to_path_buf());
     let found = std::fs::metadata(&full);
     let stamp = found.map_or((0, None), |m| (m.len(), m.modified().ok()));
@@ -108,7 +113,7 @@ pub fn open_shared(file: &Path, wanted: Option<Integrating>) -> Result<Arc<Fmu>,
 }
 
 /// Reads an archive and unpacks it into a folder of its own.
-pub fn open(file: &Path, wanted: Option<Integrating>) -> Result<Fmu, Box<Diagnostic>> {
+pub fn open(file: &Path, wanted: Integrating) -> Result<Fmu, Box<Diagnostic>> {
     let folder = scratch_path("fmu");
     let refuse = |cause: FmuCause| Box::new(Diagnostic::new(cause, Span::NONE));
     let path = file.display().to_string();
@@ -143,22 +148,24 @@ pub fn open(file: &Path, wanted: Option<Integrating>) -> Result<Fmu, Box<Diagnos
 }
 
 /// The kind of simulation to use, and whether it is Co-Simulation.
-fn kind(
-    described: &Described,
-    wanted: Option<Integrating>,
-    path: &str,
-) -> Result<(Kind, bool), FmuCause> {
+fn kind(described: &Described, wanted: Integrating, path: &str) -> Result<(Kind, bool), FmuCause> {
     let missing = |wanted: &str, offered: &str| FmuCause::NotOffered {
         path: path.to_owned(),
         wanted: wanted.to_owned(),
         offered: offered.to_owned(),
     };
-    match (wanted, &described.exchange, &described.stepping) {
-        (Some(Integrating::Here) | None, Some(kind), _) => Ok((kind.clone(), false)),
-        (Some(Integrating::There) | None, _, Some(kind)) => Ok((kind.clone(), true)),
-        (Some(Integrating::Here), ..) => Err(missing("Model Exchange", "Co-Simulation")),
-        _ => Err(missing("Co-Simulation", "Model Exchange")),
-    }
+    let exchange = described.exchange.as_ref().map(|kind| (kind.clone(), false));
+    let stepping = described.stepping.as_ref().map(|kind| (kind.clone(), true));
+    let (first, second) = match wanted {
+        Integrating::Here => (exchange, None),
+        Integrating::There => (stepping, None),
+        Integrating::RatherHere => (exchange, stepping),
+        Integrating::RatherThere => (stepping, exchange),
+    };
+    first.or(second).ok_or_else(|| match wanted {
+        Integrating::There => missing("Co-Simulation", "Model Exchange"),
+        _ => missing("Model Exchange", "Co-Simulation"),
+    })
 }
 
 fn interface(described: &Described, kind: &Kind, stepping: bool) -> ForeignInterface {
@@ -175,7 +182,7 @@ fn interface(described: &Described, kind: &Kind, stepping: bool) -> ForeignInter
         variables: described.variables.clone(),
         values: described.values,
         needs_completed_steps: kind.needs_completed_steps,
-        steps_vary: kind.steps_vary,
+        steps_vary: kind.steps_vary || !stepping,
         experiment,
     }
 }
@@ -214,14 +221,22 @@ impl Fmu {
 }
 
 impl Fmu {
-    /// The same in the process of a run that has ended, if there is one; for runs that always watch the same values.
-    pub fn start_again(
+    /// An instance that steps, in the process of a run that has ended, if there is one; for runs that always watch the
+    /// same values. If the FMU does not integrate itself, mocc does.
+    pub fn start_stepping(
         &self,
         watched: &[usize],
     ) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault> {
         let idle = self.idle.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let renewed = idle.and_then(|mut idle| idle.renew().is_ok().then_some(idle));
-        renewed.map_or_else(|| self.start(watched), Ok)
+        if let Some(renewed) = renewed {
+            return Ok(renewed);
+        }
+        let new = self.start(watched)?;
+        Ok(match self.interface.steps_itself {
+            true => new,
+            false => Box::new(Coupled::new(new, &self.interface)),
+        })
     }
 
     /// Takes instances of runs that have ended well.

@@ -1,10 +1,12 @@
 //! Runs of foreign models.
 //!
 //! In: a program whose variables are inputs, and the foreign model that computes them. Out: the same rows, events and
-//! statistics as those of any other run. [`exchange`] integrates the model, [`stepping`] lets it integrate itself;
-//! both write its values to the memory of the program ([`rows`]), in which measures are evaluated.
+//! statistics as those of any other run. [`exchange`] integrates the model ([`integration`]), [`stepping`] lets it
+//! integrate itself; both write its values to the memory of the program ([`rows`]), in which measures are evaluated.
 
+pub mod coupled;
 mod exchange;
+mod integration;
 mod rows;
 mod stepping;
 
