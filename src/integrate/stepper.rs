@@ -33,6 +33,10 @@ pub trait Stepper {
     /// at `t_previous()`, and `interpolate` still covers the whole last step.
     fn shorten(&mut self, system: &mut dyn System, t: f64) -> Result<(), Failure>;
 
+    /// Says that a derivative of the right side jumps at the accepted point: the solution and its slope are continuous
+    /// there, its curvature is not, so an interpolation in the next step must not rely on the step before.
+    fn pass_kink(&mut self) {}
+
     /// Time of the accepted point.
     fn t(&self) -> f64;
 

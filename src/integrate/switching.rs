@@ -173,6 +173,10 @@ impl Stepper for Switching {
         outcome
     }
 
+    fn pass_kink(&mut self) {
+        self.of_mut(self.next).pass_kink();
+    }
+
     fn t(&self) -> f64 {
         self.of(self.last).t()
     }

@@ -533,8 +533,14 @@ impl<'p, 's> Simulation<'p, 's> {
                 s.restart(t);
             }
             self.restart()?;
-        } else if let (true, Some(s)) = (slopes_jump, &mut self.sensitivity) {
-            s.restart(t);
+        } else {
+            self.stepper.pass_kink();
+            if let Some(s) = &mut self.sensitivity {
+                match slopes_jump {
+                    true => s.restart(t),
+                    false => s.pass_kink(),
+                }
+            }
         }
         if jumps && self.recorder.has_row_at(t) {
             self.record(t)?;

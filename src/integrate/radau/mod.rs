@@ -88,6 +88,8 @@ struct History {
     last: Option<(f64, f64)>,
     /// The polynomial may be extrapolated into the next step.
     continued: bool,
+    /// The curvature of the solution jumps where the next step begins.
+    kink: bool,
 }
 
 /// Why an attempt to step failed.
@@ -153,7 +155,7 @@ impl Radau {
             matrix,
             jacobian: JacobianAge::Outdated,
             decomposed: None,
-            history: History { h: 0.0, last: None, continued: false },
+            history: History { h: 0.0, last: None, continued: false, kink: false },
             estimate: ErrorEstimate::new(n),
             stats: Stats::default(),
             options,
@@ -309,12 +311,13 @@ impl Radau {
         self.stats.steps += 1;
         self.t_previous = self.now.t;
         std::mem::swap(&mut self.now, &mut self.next);
-        let continued = self.history.last.is_some();
+        let continued = self.history.last.is_some() && !self.history.kink;
         self.polynomial.set(interval.h, interval.end, &self.now.y, &self.stages.z, continued);
         error_weights(&self.options, &self.now.y, &mut self.weights);
         let wanted = self.plan(interval.h, success, repeated);
         self.history.last = Some((interval.h, success.error.max(1e-2)));
         self.history.continued = true;
+        self.history.kink = false;
 
         let fast = self.stages.rate <= FAST;
         self.jacobian = if fast { JacobianAge::Old } else { JacobianAge::Outdated };
@@ -454,7 +457,7 @@ impl Stepper for Radau {
                 Ok(())
             }
             Err(rejection) => {
-                self.history = History { h: interval.h, last: None, continued: false };
+                self.history = History { h: interval.h, last: None, continued: false, kink: false };
                 self.stages.reset();
                 Err(self.failure(interval.h, rejection))
             }
@@ -475,7 +478,7 @@ impl Stepper for Radau {
         self.polynomial.set_constant(t, y);
         self.stages.reset();
         let changed = self.matrix.set_mass(system.differential());
-        self.history = History { h: 0.0, last: None, continued: false };
+        self.history = History { h: 0.0, last: None, continued: false, kink: false };
         self.jacobian = match (jacobian, self.jacobian) {
             (JacobianMemory::Keep, JacobianAge::Fresh | JacobianAge::Old) if !changed => {
                 JacobianAge::Old
@@ -503,6 +506,10 @@ impl Stepper for Radau {
 
     fn y(&self) -> &[f64] {
         &self.now.y
+    }
+
+    fn pass_kink(&mut self) {
+        self.history.kink = true;
     }
 
     fn t_previous(&self) -> f64 {

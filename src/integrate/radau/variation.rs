@@ -41,6 +41,8 @@ pub struct Variation {
     z: [Vec<f64>; 3],
     polynomial: Polynomial,
     continued: bool,
+    /// The curvature jumps at the end of the last step.
+    kink: bool,
     /// Transformed stage increments, then residuals and corrections.
     w: [Vec<f64>; 3],
     r: [Vec<f64>; 3],
@@ -108,6 +110,7 @@ impl Variation {
             z: stages(),
             polynomial: Polynomial::new(n * width),
             continued: false,
+            kink: false,
             w: stages(),
             r: stages(),
             stage: zeros(),
@@ -158,6 +161,12 @@ impl Variation {
         self.continued = false;
     }
 
+    /// The curvature of the derivatives may jump at the end of the last step: see
+    /// [`Stepper::pass_kink`](crate::integrate::stepper::Stepper::pass_kink).
+    pub fn pass_kink(&mut self) {
+        self.kink = true;
+    }
+
     /// Writes the derivatives at `t` within the last step to `out`.
     pub fn interpolate(&self, t: f64, out: &mut [f64]) {
         self.polynomial.evaluate(t, out);
@@ -203,7 +212,8 @@ impl Variation {
         for (s, z) in self.s.iter_mut().zip(&self.z[2]) {
             *s += z;
         }
-        self.polynomial.set(h, end, &self.s, &self.z, self.continued);
+        let continued = self.continued && !std::mem::take(&mut self.kink);
+        self.polynomial.set(h, end, &self.s, &self.z, continued);
         self.continued = self.mass.is_none();
         Ok(())
     }

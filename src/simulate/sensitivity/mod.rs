@@ -377,6 +377,14 @@ impl Sensitivity {
         self.surface = None;
     }
 
+    /// The curvature of the derivatives may jump at the end of the last step.
+    pub fn pass_kink(&mut self) {
+        match &mut self.surface {
+            Some(surface) => surface.variation.pass_kink(),
+            None => self.variation.pass_kink(),
+        }
+    }
+
     /// Restarts at `t`, the end of the last step.
     pub fn restart(&mut self, t: f64) {
         match &mut self.surface {
