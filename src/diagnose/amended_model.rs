@@ -36,8 +36,11 @@ pub fn amended(study: &Study, diagnosis: &Diagnosis, original: &str) -> Option<A
             values.push(ParameterValue { name: target.clone(), value, comment });
         }
     }
+    let is_value = |c: &&ChosenEffect| study.effects[c.effect].is_other_value();
+    let (other_values, effects): (Vec<_>, Vec<_>) = hypothesis.effects.iter().partition(is_value);
+    values.extend(other_values.into_iter().filter_map(|c| other_value(study, hypothesis, c)));
     let attached: Vec<Attached<'_>> =
-        hypothesis.effects.iter().map(|c| with_estimates(study, hypothesis, c)).collect();
+        effects.into_iter().map(|c| with_estimates(study, hypothesis, c)).collect();
     let experiment = experiment(&study.experiment);
     let measured = measured(study, hypothesis);
     let description = sentences(&study.effects, &hypothesis.effects).join(" ").replace('"', "'");
@@ -52,6 +55,21 @@ pub fn amended(study: &Study, diagnosis: &Diagnosis, original: &str) -> Option<A
     let added = extension.source(&attached);
     let source = format!("{}\n\n// Found by mocc diagnose:\n{added}", original.trim_end());
     Some(AmendedModel { name, source })
+}
+
+/// The value of a parameter that is not the one of the model.
+fn other_value(
+    study: &Study,
+    hypothesis: &Hypothesis,
+    chosen: &ChosenEffect,
+) -> Option<ParameterValue> {
+    let parameter = chosen.place.at.first()?;
+    let known = study.fixed_values.iter().find(|v| v.parameter == *parameter)?;
+    let amplitude = study.effects[chosen.effect].amplitudes.first()?;
+    let (logarithm, error) = hypothesis.estimate(&chosen.full_name(&amplitude.name))?;
+    let value = known.value * logarithm.exp();
+    let comment = format!("+- {:.2e}, instead of {}", (value * error).abs(), known.value);
+    Some(ParameterValue { name: parameter.clone(), value, comment })
 }
 
 /// An effect with its estimates, and their standard errors as comments.

@@ -53,6 +53,8 @@ pub struct Effect {
     pub adds: Option<String>,
     /// Of such a term: its input is the state whose rate the equation determines.
     pub is_of_state: bool,
+    /// Of an effect that moves the start of a state: the parameter that is added to it.
+    pub starts: Option<String>,
     /// Of an effect that acts on an input of the model: its output, which the model reads instead.
     pub acts: Option<String>,
     /// Of such an effect: it reads the recording itself, before all others that act on the same input.
@@ -76,6 +78,11 @@ impl Effect {
     /// True if its inputs are bound to any variables of the model, so that these say what it depends on.
     pub fn has_free_inputs(&self) -> bool {
         self.varies.is_some() || self.adds.is_some()
+    }
+
+    /// True for a parameter that does not vary, but has another value than the model gives it.
+    pub fn is_other_value(&self) -> bool {
+        self.varies.is_some() && self.binds.is_empty()
     }
 
     /// True for a term that is the product of several variables: like a parameter that varies, it describes much and names
@@ -338,7 +345,8 @@ fn complete(effect: &mut Effect, inventory: &Inventory) {
     if let Some(own) = inventory.parts.first() {
         effect.connectors = own.connectors.clone();
     }
-    let acts_inside = [&effect.varies, &effect.adds, &effect.acts].into_iter().any(Option::is_some);
+    let inside = [&effect.varies, &effect.adds, &effect.acts, &effect.starts];
+    let acts_inside = inside.into_iter().any(Option::is_some);
     effect.of_signal = effect.connectors.is_empty() && !acts_inside;
     for input in &inventory.inputs {
         if !effect.of_signal && !effect.binds.iter().any(|(name, _)| name == input) {
@@ -398,6 +406,7 @@ fn read(class: &str, text: &str, role: Role) -> Result<Effect, String> {
             "host" => effect.host = items.map(str::to_owned).collect(),
             "inflow" => effect.inflow = Some(value.trim().to_owned()),
             "named" => effect.named = Some(value.trim().to_owned()),
+            "starts" => effect.starts = Some(value.trim().to_owned()),
             "varies" => effect.varies = Some(value.trim().to_owned()),
             "acts" => effect.acts = Some(value.trim().to_owned()),
             "order" => effect.is_first = value.trim() == "first",

@@ -123,11 +123,13 @@ pub fn promising(
     let most = search.generosity() * policy.fitted_places;
     for s in ranking.iter().filter(|s| s.bic_gain(hypothesis) > policy.evidence) {
         let effect = &study.effects[s.effect];
-        let (varies, is_choice) = (effect.varies.is_some(), effect.choice.is_some());
+        let (is_value, is_choice) = (effect.is_other_value(), effect.choice.is_some());
+        let varies = effect.varies.is_some() && !is_value;
         let is_repeated = proposals.iter().any(|known| known.promises_as(s));
         if proposals.len() == most
             || is_repeated
             || varies && (variations == policy.fitted_variations || is_special(study, s))
+            || is_value
             || is_choice && choices == policy.fitted_choices
             || effect.is_product() && products == policy.fitted_products
         {
@@ -139,8 +141,15 @@ pub fn promising(
         proposals.push(s);
     }
     special_variations(search, hypothesis, ranking, &mut proposals);
+    let is_value = |s: &&Scored| study.effects[s.effect].is_other_value();
+    let is_supported = |s: &&Scored| s.bic_gain(hypothesis) > policy.evidence;
+    let values = ranking.iter().filter(is_value).filter(is_supported);
+    proposals.extend(values.take(policy.fitted_values));
     // Most curves are given up early once a straight line that promises nearly as much has been fitted.
-    let varies = |s: &Scored| study.effects[s.effect].varies.is_some();
+    let varies = |s: &Scored| {
+        let effect = &study.effects[s.effect];
+        effect.varies.is_some() && !effect.is_other_value()
+    };
     let lines = proposals.iter().filter(|s| varies(s) && !study.is_curve(s.effect));
     let line = lines.map(|s| s.gain).fold(0.0, f64::max);
     proposals.sort_by_key(|s| {
@@ -161,7 +170,8 @@ pub fn promising(
 
 /// True for a parameter that varies by a special law of the catalogue: neither along a straight line nor a free curve.
 fn is_special(study: &Study, s: &Scored) -> bool {
-    study.effects[s.effect].varies.is_some() && !has_formulas(study, s.effect)
+    let effect = &study.effects[s.effect];
+    effect.varies.is_some() && !effect.is_other_value() && !has_formulas(study, s.effect)
 }
 
 /// Adds the special law by which a parameter varies that promises most, if it promises more than a straight line over

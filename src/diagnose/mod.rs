@@ -18,6 +18,7 @@ pub mod catalogue;
 pub mod cause;
 pub mod effective_evidence;
 pub mod equation_terms;
+pub mod fixed_value;
 pub mod formula;
 pub mod formula_fit;
 pub mod forward_selection;

@@ -139,7 +139,12 @@ impl Extension<'_> {
         classes.into_iter().for_each(|class| out.push_str(class));
         components.into_iter().for_each(|a| a.declare(&mut out));
         out.push_str(&self.connections(attached));
-        let entries = [variations(attached), additions(attached), passages(attached)];
+        let entries = [
+            variations(attached),
+            additions(attached),
+            passages(attached),
+            start_offsets(attached),
+        ];
         let entries = entries.iter().filter_map(Option::as_deref);
         let own: Vec<&str> = self.measured.into_iter().chain(entries).collect();
         let own = (!own.is_empty()).then(|| format!("__mocc({})", own.join(", ")));
@@ -202,6 +207,16 @@ fn passages(attached: &[Attached<'_>]) -> Option<String> {
     let (first, others): (Vec<_>, Vec<_>) = attached.iter().partition(|a| a.effect.is_first);
     let all: Vec<String> = first.iter().chain(&others).filter_map(of).collect();
     (!all.is_empty()).then(|| format!("through = \"{}\"", all.join(", ")))
+}
+
+/// The entry of the annotation `__mocc` that adds to the starts of states, if an effect does.
+fn start_offsets(attached: &[Attached<'_>]) -> Option<String> {
+    let of = |a: &Attached<'_>| {
+        let (offset, state) = (a.effect.starts.as_ref()?, a.place.at.first()?);
+        Some(format!("{state} = {}.{offset}", a.name))
+    };
+    let all: Vec<String> = attached.iter().filter_map(of).collect();
+    (!all.is_empty()).then(|| format!("starts = \"{}\"", all.join(", ")))
 }
 
 /// The path of a parameter in the tree of modifications.

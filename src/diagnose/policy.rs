@@ -73,6 +73,8 @@ pub struct SearchPolicy {
     pub proposals_if_short: usize,
     /// Of these, parameters that vary. Default 3: they describe much and name nothing.
     pub fitted_variations: usize,
+    /// Besides these, parameters with another value than the model gives them. Default 2.
+    pub fitted_values: usize,
     /// Of these, terms that are products of variables. Default 1.
     pub fitted_products: usize,
     /// Share of the promise of a parameter that varies along a curve which the best straight line must promise to be fitted
@@ -223,6 +225,7 @@ impl Default for SearchPolicy {
             fitted_places: 5,
             proposals_if_short: 2,
             fitted_variations: 3,
+            fitted_values: 2,
             fitted_products: 1,
             preliminary_fits: 32,
             preferred_preliminary_fits: 3,

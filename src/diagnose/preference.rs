@@ -35,16 +35,28 @@ pub fn sort_by_preference(
             hypotheses[..=k].rotate_right(1);
         }
     }
+    // A term of an equation that explains the same as a wrong value of a parameter is no missing law.
+    let is_value = |h: &Hypothesis| ends_with_value(study, h);
+    let is_term = |h: &Hypothesis| ends_with_term(study, h);
+    if let Some(term) = hypotheses.first().filter(|h| is_term(h)) {
+        let as_good = criterion(term) + policy.evidence;
+        let value = |h: &Hypothesis| is_value(h) && criterion(h) < as_good;
+        if let Some(k) = hypotheses.iter().position(value) {
+            hypotheses[..=k].rotate_right(1);
+        }
+    }
     // A parameter that varies is a finding without a name: a named law comes first if it explains as much, or nearly as
     // much and more of what was never fitted.
     if let Some(variation) = hypotheses.first().filter(|h| varies(h)) {
         let as_good = criterion(variation) + policy.evidence;
         let wanted = policy.parametric_share * explained(variation);
+        let is_first_value = is_value(variation);
         let unseen = variation.validation.total() - policy.evidence;
         let holds_better = |h: &Hypothesis| h.validation.total() < unseen && explained(h) > wanted;
         let named = |h: &Hypothesis| {
             !varies(h)
                 && !ends_with_product(study, h)
+                && !(is_first_value && is_term(h))
                 && !of_instrument(h)
                 && !ends_with_curve(study, h)
                 && (criterion(h) < as_good || holds_better(h))
@@ -126,6 +138,16 @@ pub fn ends_with_instrument(study: &Study, hypothesis: &Hypothesis) -> bool {
 /// True if the last added effect lets a parameter vary.
 pub fn ends_with_variation(study: &Study, hypothesis: &Hypothesis) -> bool {
     hypothesis.effects.last().is_some_and(|c| study.effects[c.effect].varies.is_some())
+}
+
+/// True if the last added effect gives a parameter another value.
+pub fn ends_with_value(study: &Study, hypothesis: &Hypothesis) -> bool {
+    hypothesis.effects.last().is_some_and(|c| study.effects[c.effect].is_other_value())
+}
+
+/// True if the last added effect is a term of an equation.
+pub fn ends_with_term(study: &Study, hypothesis: &Hypothesis) -> bool {
+    hypothesis.effects.last().is_some_and(|c| study.effects[c.effect].adds.is_some())
 }
 
 /// True if the last added effect is a product of variables.

@@ -11,7 +11,7 @@ use super::forward_selection::promising;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups, plan_without_effects};
 use super::pairwise_selection::{pairs, pairwise_selection_from};
 use super::place::Place;
-use super::preference::{ends_with_sensor, ends_with_variation};
+use super::preference::{ends_with_sensor, ends_with_term, ends_with_value, ends_with_variation};
 use super::rank::{Scored, rank, rank_instead};
 use super::result::Diagnosis;
 use super::search::{Search, accept};
@@ -218,9 +218,11 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         let simpler = h.values.len() < current.values.len() && h.bic() < current.bic();
         let fewer = h.effects.len() < current.effects.len();
         let named = is_varied && !ends_with_variation(search.study, h);
-        let preferred = fewer || simpler || named;
+        // A wrong value of a parameter explains more plainly what a term of an equation explains as well.
+        let plainer = ends_with_term(search.study, &current) && ends_with_value(search.study, h);
+        let preferred = fewer || simpler || named || plainer;
         // Nor does a parameter that varies replace a named law that explains as much.
-        let is_vague = !is_varied && ends_with_variation(search.study, h);
+        let is_vague = !is_varied && !plainer && ends_with_variation(search.study, h);
         // A sensor is a rival, and blamed only if nothing else is.
         let is_last = !of_sensor && h.effects.iter().any(|c| c.place.signal.is_some());
         !is_last

@@ -11,6 +11,7 @@ use crate::ir::program::Program;
 
 use super::catalogue::{Effect, Packages, catalogue};
 use super::equation_terms::EquationTerms;
+use super::fixed_value::{self, FixedValue, fixed_starts, fixed_values};
 use super::formula::formulas;
 use super::law_choice::choices;
 use super::model_source::{Attached, Extension};
@@ -50,6 +51,10 @@ pub struct Study {
     pub units: FastMap<String, String>,
     /// The parameters that may vary, and what they may vary with.
     pub variations: VariationTargets,
+    /// The parameters that the plan takes for granted.
+    pub fixed_values: Vec<FixedValue>,
+    /// The states whose starts the plan takes for granted.
+    pub fixed_starts: Vec<String>,
     /// The equations that may lack a term, and what it may depend on.
     pub terms: EquationTerms,
     /// Number of states of the model.
@@ -94,6 +99,8 @@ impl Study {
             variables: flat.variables.iter().map(|v| v.name.clone()).collect(),
             terms: EquationTerms::new(flat, &plan, &variations.variables),
             variations,
+            fixed_values: fixed_values(flat, &plan),
+            fixed_starts: fixed_starts(flat, &plan),
             units: units.into_iter().collect(),
             corrections: Vec::new(),
             states: states(flat).len(),
@@ -136,6 +143,10 @@ impl Study {
         if let Some(choice) = effect.choice.as_ref().filter(|c| c.is_of_model()) {
             return vec![Place::at(&choice.at)];
         }
+        if effect.starts.is_some() {
+            let place = |state| Place::at(std::slice::from_ref(state));
+            return self.fixed_starts.iter().map(place).collect();
+        }
         if effect.has_free_inputs() {
             let mut all = self.free_places(effect);
             all.retain(|place| self.has_fitting_units(effect, place));
@@ -151,7 +162,7 @@ impl Study {
             _ if effect.adds.is_some() => self.terms.places(effect),
             Some((input, _)) if effect.curve.is_some() => self.variations.curve_places(input),
             Some((input, _)) => self.variations.places(input),
-            None => Vec::new(),
+            None => fixed_value::places(&self.fixed_values),
         }
     }
 

@@ -90,6 +90,10 @@ causes! {
         error MO0329 UnusableTerm { determined: String, term: String, why: WrongTerm }
             => ("{}", why.message(determined, term)),
             help("write `adds = \"der(STATE) = VARIABLE\"` or `adds = \"VARIABLE = VARIABLE\"` with names of this model");
+        /// An annotation adds to a start that cannot take it.
+        error MO0336 UnusableStart { state: String, offset: String, why: WrongStart }
+            => ("{}", why.message(state, offset)),
+            help("write `starts = \"STATE = PARAMETER\"` with names of this model");
     }
 }
 
@@ -230,6 +234,25 @@ impl WrongTerm {
         match self {
             WrongTerm::Equation => format!("no equation is written for `{determined}`"),
             WrongTerm::Term => format!("`{term}` is not a `Real` variable of the model"),
+        }
+    }
+}
+
+/// Why nothing can be added to a start as an annotation says.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[allow(missing_docs)]
+pub enum WrongStart {
+    State,
+    Offset,
+}
+
+impl WrongStart {
+    fn message(self, state: &str, offset: &str) -> String {
+        match self {
+            WrongStart::State => {
+                format!("`{state}` is not a variable whose declaration fixes its start")
+            }
+            WrongStart::Offset => format!("`{offset}` is not a `Real` parameter of the model"),
         }
     }
 }

@@ -23,6 +23,7 @@ pub mod parameter_override;
 pub mod print;
 pub mod variable;
 mod passage;
+pub mod start_offset;
 mod varying;
 pub mod when;
 
@@ -123,6 +124,7 @@ fn flatten_with(
     let variations = annotation::pairs(cx, (class, root), "varies");
     let passages = annotation::pairs(cx, (class, root), "through");
     let terms = annotation::pairs(cx, (class, root), "adds");
+    let starts = annotation::pairs(cx, (class, root), "starts");
     let structural: FastSet<InstanceId> = cx.parameters.structural.iter().copied().collect();
     for (v, (instance, _)) in cx.instance_of.iter().enumerate() {
         let v = crate::ir::expr::VarId(v as u32);
@@ -142,6 +144,7 @@ fn flatten_with(
     let mut problems = open_equation::apply(&mut flat, &terms);
     problems.extend(varying::apply(&mut flat, &variations));
     problems.extend(passage::apply(&mut flat, &passages));
+    problems.extend(start_offset::apply(&mut flat, &starts));
     if !flat.transitions.is_empty() {
         flat.inner_outer = clocked::inner_outer(cx);
     }

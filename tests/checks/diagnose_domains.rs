@@ -287,6 +287,41 @@ fn a_parameter_that_varies_is_found() {
     }
 }
 
+/// The constant of a motor, which the plan takes for known: it scales the torque and the voltage.
+#[test]
+fn a_wrong_value_in_the_model_is_found() {
+    let study = Study {
+        model: "fan",
+        truth: "motor_constant_truth",
+        conditions: &[("U", &[6.0, 12.0, 4.0, 8.0])],
+        signals: &[("rotor.w", "1", 0.5), ("armature.i", "1", 0.02)],
+        free: &["rotor.J", "armature.R", "bearing.d"],
+        inputs: &[],
+    };
+    let (found, scratch) = study.diagnose();
+    let values = [("a", 1.25_f64.ln(), 0.01)];
+    assert_found(&found, &scratch, "parameter", "armature.k", &values);
+    assert_eq!(found["effects"][0]["over"], serde_json::json!([]));
+    let amended = found["amended_model"].as_str().expect("a name");
+    let text = std::fs::read_to_string(scratch.path().join("out").join(amended)).expect("a model");
+    assert!(text.contains("instead of 0.08"), "{text}");
+}
+
+/// An angle of release whose scale is off by the same amount in all recordings.
+#[test]
+fn a_wrong_start_is_found() {
+    let study = Study {
+        model: "release",
+        truth: "release_truth",
+        conditions: &[("phi_0", &[0.3, 0.6, -0.5, 0.9, 0.45])],
+        signals: &[("phi", "rad", 0.004)],
+        free: &["g_l", "d"],
+        inputs: &[],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "Effects.OtherStart", "phi", &[("d", 0.02, 0.001)]);
+}
+
 /// The weight of an eccentric mass in a model without connectors: a term of the equation of its rate.
 #[test]
 fn a_term_that_an_equation_lacks_is_found() {

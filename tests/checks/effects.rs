@@ -187,7 +187,7 @@ fn annotations_name_existing_elements() {
                 "amplitude" | "named" => {}
                 "of" => assert_eq!(values, "state", "{}", effect.name),
                 "order" => assert_eq!(values, "first", "{}", effect.name),
-                "varies" | "acts" | "adds" => {
+                "varies" | "acts" | "adds" | "starts" => {
                     assert!(is_there(values), "{}: {values}", effect.name)
                 }
                 "host" => {

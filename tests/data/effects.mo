@@ -711,6 +711,31 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
     end LinearVariation;
 
+    model OtherStart
+      extends Check;
+      parameter Real T_0 = 2;
+      Real T(start = T_0, fixed = true);
+      Effects.OtherStart effect(d = 0.5);
+    equation
+      der(T) = -2*T;
+      found = {T};
+      exact = {2.5*exp(-2*time)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(starts = "T = effect.d"));
+    end OtherStart;
+
+    model OtherValue
+      extends Check;
+      parameter Real k = 2;
+      parameter Real twice = 2*k;
+      Real T(start = 1, fixed = true);
+      Effects.OtherValue effect(a = log(1.5));
+    equation
+      der(T) = -twice*T;
+      found = {T};
+      exact = {exp(-6*time)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end OtherValue;
+
     model PowerVariation
       extends Check;
       parameter Real k = 2;
@@ -2027,6 +2052,18 @@ package EffectTests
       Effects.LinearVariation effect(x = s, x_hi = 3.5e-3);
       annotation(__mocc(varies = "spring.c = effect.factor"));
     end LinearVariation;
+
+    model OtherStart
+      extends Base;
+      Effects.OtherStart effect;
+      annotation(__mocc(starts = "spool.s = effect.d"));
+    end OtherStart;
+
+    model OtherValue
+      extends Base;
+      Effects.OtherValue effect;
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end OtherValue;
 
     model PowerVariation
       extends Base;

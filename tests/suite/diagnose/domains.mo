@@ -61,6 +61,32 @@ equation
   connect(blades.shaft, rotor.shaft);
 end Truth;
 
+//@ case motor_constant_truth
+//@ used by diagnose_domains.rs
+model Truth "The constant of the motor is not that of the data sheet"
+  extends Motor(armature(k = 0.1));
+end Truth;
+
+//@ case release
+//@ used by diagnose_domains.rs
+model Pendulum "Released from rest at an angle that is read from a scale"
+  parameter Real phi_0 = 0.5;
+  parameter Real g_l = 9.8;
+  parameter Real d = 0.1;
+  Real phi(unit = "rad", start = phi_0, fixed = true);
+  Real w(start = 0, fixed = true);
+equation
+  der(phi) = w;
+  der(w) = -g_l*sin(phi) - d*w;
+  annotation(experiment(StopTime = 5, Interval = 0.02));
+end Pendulum;
+
+//@ case release_truth
+//@ used by diagnose_domains.rs
+model Truth "The scale is not where it should be"
+  extends Pendulum(phi(start = phi_0 + 0.02));
+end Truth;
+
 //@ case stirrer_truth
 //@ used by diagnose_domains.rs
 model Stirrer "A law between those of a bearing and a fan"

@@ -1,0 +1,123 @@
+//! Parameters whose values the plan takes for granted. One of them may be wrong: a dimension of the data sheet, a stiffness
+//! that was measured once. So may the start of a state.
+
+use crate::base::index::{FastMap, FastSet};
+use crate::calibrate::plan::Plan;
+use crate::ir::expr::{ExprId, Node, Type, VarId};
+use crate::ir::flat::{FlatModel, Variability, Variable};
+
+use crate::flatten::start_offset::starts_by_declaration;
+
+use super::place::Place;
+use super::variation::states;
+
+/// Largest number of such parameters that are looked at.
+const MAX_PARAMETERS: usize = 400;
+
+/// A parameter and the value that the model gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FixedValue {
+    /// Its full name.
+    pub parameter: String,
+    /// Its value, not zero.
+    pub value: f64,
+}
+
+/// The Real parameters of a model whose values are numbers, which neither the plan nor a recording determines, and on
+/// which equations depend while the structure does not; and where components share such a parameter, that of each.
+pub fn fixed_values(flat: &FlatModel, plan: &Plan) -> Vec<FixedValue> {
+    let determined: FastSet<&str> = determined(plan).collect();
+    let (read, structural) = (read(flat), structural(flat));
+    let fits = |v: VarId, x: &Variable| {
+        x.ty == Type::Real
+            && x.variability == Variability::Parameter
+            && read.contains(&v)
+            && !structural.contains(&v)
+            && !determined.contains(x.name.as_str())
+    };
+    let mut known: FastMap<VarId, f64> = FastMap::default();
+    let (mut own, mut shared) = (Vec::new(), Vec::new());
+    for (v, x) in flat.variables.enumerate().filter(|(v, x)| fits(*v, x)) {
+        let Some(binding) = x.binding else { continue };
+        if let Some(value) = literal(flat, binding).filter(|x| *x != 0.0 && x.is_finite()) {
+            known.insert(v, value);
+            own.push(FixedValue { parameter: x.name.clone(), value });
+        } else if let Node::Var(source) = flat.graph.node(binding) {
+            shared.push((source, x));
+        }
+    }
+    let sharing = |source: VarId| shared.iter().filter(|(s, _)| *s == source).count();
+    let of_components = shared.iter().filter(|(source, _)| sharing(*source) > 1);
+    let of_components = of_components.filter_map(|(source, x)| {
+        Some(FixedValue { parameter: x.name.clone(), value: *known.get(source)? })
+    });
+    own.extend(of_components);
+    own.truncate(MAX_PARAMETERS);
+    own
+}
+
+/// The states whose declarations fix their starts, unless the plan fits these.
+pub fn fixed_starts(flat: &FlatModel, plan: &Plan) -> Vec<String> {
+    let determined: FastSet<&str> = determined(plan).collect();
+    let is_fitted = |name: &str| determined.contains(format!("start({name})").as_str());
+    let fixed = states(flat).into_iter().map(|v| &flat.variables[v]);
+    let fixed = fixed.filter(|x| starts_by_declaration(x) && !is_fitted(&x.name));
+    fixed.map(|x| x.name.clone()).collect()
+}
+
+/// A place at each of them.
+pub fn places(values: &[FixedValue]) -> Vec<Place> {
+    values.iter().map(|v| Place::at(std::slice::from_ref(&v.parameter))).collect()
+}
+
+/// The names that a plan gives values to.
+fn determined(plan: &Plan) -> impl Iterator<Item = &str> {
+    let free = plan.free.iter().flat_map(|f| f.targets.iter().map(String::as_str));
+    let conditions = plan.conditions.iter().map(|c| c.parameter.as_str());
+    free.chain(conditions)
+}
+
+/// The value of a number.
+fn literal(flat: &FlatModel, e: ExprId) -> Option<f64> {
+    flat.graph.as_const(e)?.number()
+}
+
+/// Adds the parameters from which those of a set are computed.
+fn with_sources(flat: &FlatModel, set: &mut FastSet<VarId>) {
+    let mut pending: Vec<VarId> = set.iter().copied().collect();
+    while let Some(v) = pending.pop() {
+        let x = &flat.variables[v];
+        let binding = x.binding.filter(|_| x.variability <= Variability::Parameter);
+        for source in binding.into_iter().flat_map(|e| flat.graph.variables(e)) {
+            if set.insert(source) {
+                pending.push(source);
+            }
+        }
+    }
+}
+
+/// The variables that equations read, directly or by way of parameters.
+fn read(flat: &FlatModel) -> FastSet<VarId> {
+    let mut found = FastSet::default();
+    let mut roots = Vec::new();
+    for e in flat.equations.iter() {
+        e.for_each_expression(&mut |e| roots.push(e));
+    }
+    let continuous = flat.variables.iter().filter(|x| x.variability > Variability::Parameter);
+    roots.extend(continuous.filter_map(|x| x.binding));
+    for e in flat.graph.postorder(roots) {
+        if let Node::Var(v) = flat.graph.node(e) {
+            found.insert(v);
+        }
+    }
+    with_sources(flat, &mut found);
+    found
+}
+
+/// The parameters that determine the structure, directly or by way of others.
+fn structural(flat: &FlatModel) -> FastSet<VarId> {
+    let own = flat.variables.enumerate().filter(|(_, x)| x.structural).map(|(v, _)| v);
+    let mut found = own.collect();
+    with_sources(flat, &mut found);
+    found
+}
