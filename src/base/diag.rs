@@ -128,6 +128,18 @@ impl Problems {
         }
         self.known = self.list.iter().map(Diagnostic::digest).collect();
     }
+    /// Adds notes to the diagnostics with causes of a kind.
+    pub fn add_note<C: Cause>(&mut self, text: impl Fn(&C) -> Option<String>) {
+        for d in &mut self.list {
+            let mut note = None;
+            d.is(|cause: &C| {
+                note = text(cause);
+                true
+            });
+            d.notes.extend(note);
+        }
+        self.known = self.list.iter().map(Diagnostic::digest).collect();
+    }
     /// Removes the errors with such a cause.
     pub fn remove_errors<C: Cause>(&mut self, is: impl Fn(&C) -> bool) {
         self.list.retain(|d| d.severity != Severity::Error || !d.is(&is));

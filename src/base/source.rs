@@ -43,6 +43,9 @@ impl Span {
     }
 }
 
+/// The path of the source that holds an override such as those of `--set`.
+pub const SETTING: &str = "--set";
+
 /// One source file: its path as shown to the user, its content and the starts of its lines.
 #[derive(Debug)]
 pub struct SourceFile {

@@ -184,14 +184,26 @@ pub fn run(options: &Simulate) -> Status {
 fn piped(options: &Simulate) -> Result<Option<&'static str>, String> {
     match &options.output {
         Some(path) if is_standard(path) => {
-            Format::of(Path::new(&format!("-.{}", options.format))).map(drop)
+            Format::of(Path::new(&format!("-.{}", piped_format(options)))).map(drop)
         }
         Some(path) => Format::of(path).map(drop),
         None => Ok(()),
     }
     .map_err(|e| e.to_string())?;
+    if options.format.is_some() && !options.output.as_deref().is_some_and(is_standard) {
+        return Err(
+            "`--format` is for the standard output, `--output -`; a file has the format that \
+                    its extension says"
+                .to_owned(),
+        );
+    }
     let outputs = [("--output", &options.output), ("--plot", &options.plot)];
     standard::single_with_json(&outputs, options.json)
+}
+
+/// The format of results on the standard output.
+fn piped_format(options: &Simulate) -> &str {
+    options.format.as_deref().unwrap_or("csv")
 }
 
 /// Prints how the initial values come about, before the run, which may fail; for `--json` returns it.
@@ -252,7 +264,7 @@ impl Files {
         let stem = running::stem(&options.model, program);
         let default =
             |extension: &str| neither.then(|| PathBuf::from(format!("{stem}.{extension}")));
-        let output = options.output.as_ref().map(|path| real_path(path, &options.format));
+        let output = options.output.as_ref().map(|path| real_path(path, piped_format(options)));
         let picture = options.plot.as_ref().map(|path| real_path(path, "svg"));
         Files {
             table: output.or_else(|| default("csv")),

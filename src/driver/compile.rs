@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use super::cause::RequestCause;
 use super::foreign::{is_fmu, needs_equations};
 use super::measured::is_unreadable_measure;
+use super::open_ends;
 use super::packed::Packed;
 use super::quantity;
 use super::subject::{find, model};
@@ -16,7 +17,7 @@ use crate::base::activity;
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::index::FastMap;
 use crate::base::name::{split_unquoted, without_spaces};
-use crate::base::source::{SourceMap, Span};
+use crate::base::source::{SETTING, SourceMap, Span};
 use crate::classes::ClassGraph;
 use crate::evaluate::Evaluator;
 use crate::evaluate::budget::Budget;
@@ -202,7 +203,7 @@ impl Session {
             d.is(|_: &OverrideCause| true)
                 || d.is(is_unreadable_measure)
                 || sources.get(d.primary.0.file).is_some_and(|f| {
-                    f.path == Path::new("--set") || f.path == Path::new("--measure")
+                    f.path == Path::new(SETTING) || f.path == Path::new("--measure")
                 })
         };
         let only_settings = self.problems.iter().all(of_setting);
@@ -254,6 +255,7 @@ impl Session {
                 matches!(cause, StructureCause::DependentLinearEquations { .. })
             });
         }
+        open_ends::note(&mut self.problems);
         self.times.push(("structure", begun.elapsed()));
         self.checked(CompileError::Model)?;
         if let Some(blocks) = &blocks {

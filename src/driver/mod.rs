@@ -14,6 +14,7 @@ pub mod lookup;
 mod measured;
 pub mod memory;
 pub mod neighbours;
+mod open_ends;
 pub mod packed;
 pub mod ports;
 pub mod project;

@@ -1,5 +1,7 @@
 //! Diagnostics of expressions.
 
+use std::path::Path;
+
 use super::Evaluator;
 use super::cause::array::{ArrayCause, Pair};
 use super::cause::call::{CallCause, Takes};
@@ -8,7 +10,7 @@ use super::cause::types::{Expected, TypeCause};
 use super::value::Value;
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::name::Name;
-use crate::base::source::Span;
+use crate::base::source::{SETTING, SourceFile, Span};
 use crate::classes::cause::{Alternatives, ClassCause, Holder};
 use crate::ir::ast::Ident;
 use crate::ir::instance::Scope;
@@ -45,8 +47,14 @@ impl Evaluator<'_> {
         names.extend(table.entries.iter().map(|e| e.name.name.to_string()));
         names.push("time".into());
         let near = did_you_mean(&wanted, names.iter().map(String::as_str)).map(str::to_string);
+        let is_setting = |file: &SourceFile| file.path == Path::new(SETTING);
+        let unquoted = self.class_graph.sources.get(span.file).is_some_and(is_setting);
         let cause = NameCause::UnknownName { name: wanted, near };
-        self.problems.push(Diagnostic::new(cause, span).label("not found"));
+        let mut diagnostic = Diagnostic::new(cause, span).label("not found");
+        if unquoted {
+            diagnostic = diagnostic.note(format!("a text is written in quotes: `\"{wanted}\"`"));
+        }
+        self.problems.push(diagnostic);
     }
 
     /// `record.part` where the record has no such field.

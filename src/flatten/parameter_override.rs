@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::cause::{OverrideCause, WrongOverride};
 use crate::base::diag::{Diagnostic, Problems, did_you_mean};
 use crate::base::name::{dotted_parts, name, split_unquoted};
-use crate::base::source::{SourceMap, Span};
+use crate::base::source::{SETTING, SourceMap, Span};
 use crate::evaluate::Evaluator;
 use crate::ir::ast::{Expr, Variability};
 use crate::ir::instance::{InstanceId, InstanceKind};
@@ -64,7 +64,7 @@ fn expression(
     sources: &mut SourceMap,
     problems: &mut Problems,
 ) -> Option<Expr> {
-    let found = binding("--set", whole, whole.len() - value.len(), None, sources);
+    let found = binding(SETTING, whole, whole.len() - value.len(), None, sources);
     if found.is_none() {
         let (text, why) = (whole.to_string(), WrongOverride::NoExpression);
         problems.push(Diagnostic::new(OverrideCause::Malformed { text, why }, Span::NONE));

@@ -605,6 +605,10 @@ fn files_of_the_wrong_kind_are_refused() {
         let err = refused(path, arguments);
         assert!(err.contains(&format!("its name must end in {wanted}")), "{arguments:?}: {err}");
     }
+    let err = refused(path, &["simulate", "decay.mo", "--format", "mat", "--output", "a.csv"]);
+    assert!(err.contains("`--format` is for the standard output"), "{err}");
+    let err = refused(path, &["simulate", "decay.mo", "--set", "p=hello"]);
+    assert!(err.contains("a text is written in quotes: `\"hello\"`"), "{err}");
     let err = refused(path, &["simulate", "decay.mo", "--measure", "q = final(q)"]);
     assert!(err.contains("error[MO1106]") && err.matches("error").count() == 1, "{err}");
     assert!(refused(path, &["import", "-"]).contains("save the FMU"));

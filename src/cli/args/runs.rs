@@ -21,9 +21,9 @@ pub struct Simulate {
     /// Result file, in one of the formats of `io::format`.
     #[arg(short, long, value_name = "PATH", help = output_help())]
     pub output: Option<PathBuf>,
-    /// Format of the results, if --output is - for the standard output.
-    #[arg(long, value_name = "FORMAT", default_value = "csv")]
-    pub format: String,
+    /// Format of the results, if --output is - for the standard output [default: csv].
+    #[arg(long, value_name = "FORMAT")]
+    pub format: Option<String>,
     /// Write a variable in another unit, such as p2=bar; repeatable [default: SI units].
     #[arg(long = "unit", value_name = "NAME=UNIT", value_parser = unit_of)]
     pub units: Vec<(String, String)>,

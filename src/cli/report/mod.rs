@@ -11,7 +11,7 @@ use super::args::model::is_standard;
 use super::args::runs::Report;
 use super::{Status, interrupt, print, running, say, standard, write_result};
 use crate::base::index::FastSet;
-use crate::base::source::{SourceMap, Span};
+use crate::base::source::{SETTING, SourceMap, Span};
 use crate::driver::compile::{Request, Session};
 use crate::ir::assembly::Assembly;
 use crate::ir::flat::{FlatModel, Variability};
@@ -227,7 +227,7 @@ fn counted(runs: usize) -> String {
 
 /// The sources that were read, without those of settings.
 fn texts(sources: &SourceMap) -> Vec<(String, String)> {
-    let files = sources.files().filter(|f| f.path != Path::new("--set"));
+    let files = sources.files().filter(|f| f.path != Path::new(SETTING));
     files.map(|f| (f.path.display().to_string(), f.text.to_string())).collect()
 }
 

@@ -81,6 +81,34 @@ end Stiff;
 //@ expect F at 1 = 2*sin(1) + sin(1)^3 abs 1e-9
 //@ expect G at 1 = 3*sin(1) + 1 + sin(1)^3 abs 1e-9
 
+//@ case an_offset_is_added_to_a_start
+//@ run stop=1 tolerance=1e-9
+model Decay
+  parameter Real x_0 = 2;
+  Real x(start = x_0, fixed = true);
+equation
+  der(x) = -x;
+end Decay;
+model Higher
+  extends Decay;
+  parameter Real d = 0.5;
+  annotation(__mocc(starts = "x = d"));
+end Higher;
+//@ expect x at 0 = 2.5 abs 1e-9
+//@ expect x at 1 = 2.5*exp(-1) abs 1e-8
+
+//@ case starts_that_take_no_offset
+model Decay
+  Real x(start = 2);
+  Real y(start = 1, fixed = true);
+equation
+  der(x) = -x;
+  der(y) = -y;
+  //@ error[MO0336] 30-43: `x` is not a variable whose declaration fixes its start
+  //@ error[MO0336] 30-43: `y` is not a `Real` parameter of the model
+  annotation(__mocc(starts = "x = y, y = y"));
+end Decay;
+
 //@ case terms_that_no_equation_takes
 model Rotor
   Real phi(start = 0, fixed = true);
