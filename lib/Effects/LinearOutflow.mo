@@ -9,7 +9,7 @@ equation
   f = k*e;
 
   annotation(__mocc(
-    effect   = "amplitude=k",
+    effect   = "amplitude=k>0",
     law      = "f = k e",
     explains = "A flow proportional to the potential leaves the model at %at."));
 end LinearOutflow;

@@ -8,7 +8,7 @@ equation
   f = k*noEvent(abs(e))*e;
 
   annotation(__mocc(
-    effect   = "amplitude=k",
+    effect   = "amplitude=k>0",
     law      = "f = k |e| e",
     explains = "A flow that grows with the square of the potential leaves the model at %at."));
 end QuadraticOutflow;

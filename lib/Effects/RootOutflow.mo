@@ -10,7 +10,7 @@ equation
   f = k*e/sqrt(noEvent(abs(e)) + delta);
 
   annotation(__mocc(
-    effect   = "amplitude=k; delta=1e-4*span(e)",
+    effect   = "amplitude=k>0; delta=1e-4*span(e)",
     law      = "f = k sign(e) sqrt(|e|)",
     explains = "A flow that grows with the square root of the potential leaves the model at %at."));
 end RootOutflow;

@@ -9,7 +9,9 @@ use crate::numeric::least_squares;
 use super::hypothesis::{ChosenEffect, Hypothesis, attach};
 use super::place::Place;
 use super::policy::SearchPolicy;
-use super::preference::{ends_with_curve, ends_with_sensor, sort_by_preference};
+use super::preference::{
+    ends_with_curve, ends_with_instrument, ends_with_sensor, sort_by_preference,
+};
 use super::rank::Scored;
 use super::regrid::regridded;
 use super::search::Search;
@@ -162,10 +164,12 @@ impl CandidateFits<'_> {
             && self.search.leads(self.from, hypothesis)
     }
 
-    /// True for a completed fit of an effect on the machine that leaves nothing to explain.
+    /// True for a completed fit of an effect on the machine that leaves nothing to explain. Sensors and actuators have
+    /// rivals of their kind.
     fn resolves(&self, hypothesis: &Hypothesis) -> bool {
+        let study = self.search.study;
         let specific =
-            !ends_with_curve(self.search.study, hypothesis) && !ends_with_sensor(hypothesis);
+            !ends_with_curve(study, hypothesis) && !ends_with_instrument(study, hypothesis);
         specific && hypothesis.is_complete_fit && hypothesis.is_resolved(self.search.policy())
     }
 

@@ -35,6 +35,16 @@ pub fn sort_by_preference(
             hypotheses[..=k].rotate_right(1);
         }
     }
+    // Of two instruments the actuator comes first.
+    if let Some(sensor) = hypotheses.first().filter(|h| ends_with_sensor(h)) {
+        let as_good = criterion(sensor) + policy.evidence;
+        let actuator =
+            |h: &Hypothesis| of_instrument(h) && !ends_with_sensor(h) && !ends_with_curve(study, h);
+        let actuator = |h: &Hypothesis| actuator(h) && criterion(h) < as_good;
+        if let Some(k) = hypotheses.iter().position(actuator) {
+            hypotheses[..=k].rotate_right(1);
+        }
+    }
     // A term of an equation that explains the same as a wrong value of a parameter is no missing law.
     let is_value = |h: &Hypothesis| ends_with_value(study, h);
     let is_term = |h: &Hypothesis| ends_with_term(study, h);

@@ -1095,6 +1095,17 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end SensorTimeConstant;
 
+    model SensorDeadTime
+      extends Check(n = 2, compared = time > 2);
+      // A ramp arrives exactly late; of a sine the phase follows from the sections: 8 atan(omega t_d/8).
+      Effects.SensorDeadTime ramp(t_d = 0.2, u = time);
+      Effects.SensorDeadTime sine(t_d = 0.2, u = sin(5*time));
+    equation
+      found = {ramp.y, sine.y};
+      exact = {time - 0.2, sin(5*time - 8*atan(5*0.2/8))};
+      annotation(experiment(StopTime = 4, Tolerance = 1e-10));
+    end SensorDeadTime;
+
     model SensorDelay
       extends Check;
       // Of a parabola Taylor leaves the square of the delay.
@@ -2274,6 +2285,11 @@ package EffectTests
       extends Base;
       Effects.SensorTimeConstant effect(u = s, T_min = 1e-5);
     end SensorTimeConstant;
+
+    model SensorDeadTime
+      extends Base;
+      Effects.SensorDeadTime effect(u = s, T_min = 1e-5);
+    end SensorDeadTime;
 
     model SensorDelay
       extends Base;
