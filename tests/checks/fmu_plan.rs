@@ -3,6 +3,7 @@
 
 use std::fmt::Write;
 
+use mocc::io::csv::read_csv;
 use serde_json::Value;
 
 use super::door::Scratch;
@@ -234,6 +235,50 @@ end Plant;
     for (k, truth) in [500.0, 2.0].into_iter().enumerate() {
         let value = found["parameters"][k]["value"].as_f64().expect("a number");
         assert!((value - truth).abs() < 0.01 * truth, "{found:#}");
+    }
+}
+
+/// The bounces of a ball lie between the communication points of its FMU: after the first, at `t1 = sqrt(2 h/g)`, the ball
+/// rises with `v1 = e g t1`, and its height is `v1 (t - t1) - g (t - t1)^2/2`.
+#[test]
+fn an_fmu_for_model_exchange_alone_has_its_events_inside_a_model() {
+    let Some(runtime) = fmu_runtime() else { return };
+    let (folder, runtime) = (Scratch::new(), runtime.display().to_string());
+    let ball = "model Ball
+  parameter Real e = 0.8;
+  output Real h(start = 1, fixed = true);
+  output Integer bounces(start = 0, fixed = true);
+  Real v(start = 0, fixed = true);
+equation
+  der(h) = v;
+  der(v) = -9.81;
+  when h < 0 then
+    reinit(v, -e*pre(v));
+    bounces = pre(bounces) + 1;
+  end when;
+end Ball;
+";
+    folder.file("ball.mo", ball);
+    for fmi in ["2", "3"] {
+        let of = ["export", "fmu", "ball.mo", "--runtime", &runtime, "-o", "ball.fmu", "--quiet"];
+        succeeds(&folder, &[&of[..], &["--fmi", fmi, "--type", "me"]].concat());
+        succeeds(&folder, &["import", "ball.fmu", "-o", "Block.mo", "--name", "Court", "--quiet"]);
+        let block = std::fs::read_to_string(folder.path().join("Block.mo")).expect("a block");
+        let plant = "model Plant
+  Court court(e = 0.7, communicationStep = 0.1);
+  Real h = court.h;
+  Integer bounces = court.bounces;
+end Plant;
+";
+        folder.file("plant.mo", &format!("{block}{plant}"));
+        let words = ["simulate", "plant.mo", "--model", "Plant", "--allow-fmu", "ball.fmu"];
+        succeeds(&folder, &[&words[..], &["--stop", "1", "-o", "run.csv", "--quiet"]].concat());
+        let run = read_csv(folder.path().join("run.csv")).expect("a table");
+        let (g, t1) = (9.81, (2.0_f64 / 9.81).sqrt());
+        let height = 0.7 * g * t1 * (1.0 - t1) - g * (1.0 - t1).powi(2) / 2.0;
+        let found = run.last("h");
+        assert!((found - height).abs() < 1e-6, "FMI {fmi}: {found} is not {height}");
+        assert_eq!(run.last("bounces"), 1.0, "FMI {fmi}");
     }
 }
 
