@@ -3,10 +3,9 @@
 
 use crate::base::index::{FastMap, FastSet};
 use crate::calibrate::plan::Plan;
+use crate::flatten::start_offset::starts_by_declaration;
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::flat::{FlatModel, Variability, Variable};
-
-use crate::flatten::start_offset::starts_by_declaration;
 
 use super::place::Place;
 use super::variation::states;
@@ -36,6 +35,7 @@ pub fn fixed_values(flat: &FlatModel, plan: &Plan) -> Vec<FixedValue> {
             && !determined.contains(x.name.as_str())
     };
     let mut known: FastMap<VarId, f64> = FastMap::default();
+    let mut sharing: FastMap<VarId, usize> = FastMap::default();
     let (mut own, mut shared) = (Vec::new(), Vec::new());
     for (v, x) in flat.variables.enumerate().filter(|(v, x)| fits(*v, x)) {
         let Some(binding) = x.binding else { continue };
@@ -44,14 +44,13 @@ pub fn fixed_values(flat: &FlatModel, plan: &Plan) -> Vec<FixedValue> {
             own.push(FixedValue { parameter: x.name.clone(), value });
         } else if let Node::Var(source) = flat.graph.node(binding) {
             shared.push((source, x));
+            *sharing.entry(source).or_default() += 1;
         }
     }
-    let sharing = |source: VarId| shared.iter().filter(|(s, _)| *s == source).count();
-    let of_components = shared.iter().filter(|(source, _)| sharing(*source) > 1);
-    let of_components = of_components.filter_map(|(source, x)| {
-        Some(FixedValue { parameter: x.name.clone(), value: *known.get(source)? })
-    });
-    own.extend(of_components);
+    let of_components = shared.into_iter().filter(|(source, _)| sharing[source] > 1);
+    own.extend(of_components.filter_map(|(source, x)| {
+        Some(FixedValue { parameter: x.name.clone(), value: *known.get(&source)? })
+    }));
     own.truncate(MAX_PARAMETERS);
     own
 }

@@ -29,6 +29,8 @@ pub struct SearchPolicy {
     /// Reduced sum above which the verdict is `unexplained` even then. Default 3. Above it, effects beyond `usual_effects`
     /// need not explain `second_share`.
     pub explained_limit: f64,
+    /// The most effects that may leave something to explain; more of them are a partial explanation. Default 3.
+    pub most_that_leave_something: usize,
     /// Share of the excess over noise, of the fitted recordings and of those held out, below which a partial explanation is
     /// not worth to be named. Default 0.1.
     pub partial_share: f64,
@@ -208,6 +210,7 @@ impl Default for SearchPolicy {
             resolved_deviations: 2.0,
             explained_share: 0.9,
             explained_limit: 3.0,
+            most_that_leave_something: 3,
             partial_share: 0.1,
             evidence: 30.0,
             structure_limit: 4.5,

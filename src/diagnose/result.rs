@@ -45,9 +45,10 @@ impl Diagnosis {
             return if complete { Verdict::Complete } else { Verdict::Unexplained };
         }
         let explained = (before - after) / (before - 1.0).max(f64::MIN_POSITIVE);
-        if self.leaves_noise(policy)
-            || explained >= policy.explained_share && left < policy.explained_limit
-        {
+        // Many effects that leave something together are a description.
+        let are_few = groups(&self.after.effects).count() <= policy.most_that_leave_something;
+        let is_nearly_all = explained >= policy.explained_share && left < policy.explained_limit;
+        if self.leaves_noise(policy) || are_few && is_nearly_all {
             Verdict::EffectFound
         } else {
             Verdict::Unexplained
