@@ -6,7 +6,7 @@ use std::fmt::Write;
 use mocc::io::csv::read_csv;
 use serde_json::Value;
 
-use super::door::Scratch;
+use super::door::{Reading, Scratch};
 use super::program::{Ended, fmu_runtime, mocc};
 
 /// Standard deviation of the noise, K.
