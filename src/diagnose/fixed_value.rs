@@ -23,8 +23,12 @@ pub struct FixedValue {
 }
 
 /// The Real parameters of a model whose values are numbers, which neither the plan nor a recording determines, and on
-/// which equations depend while the structure does not; and where components share such a parameter, that of each.
+/// which equations depend while the structure does not; and where components share such a parameter, that of each. None
+/// of an FMU: each would take runs of its own.
 pub fn fixed_values(flat: &FlatModel, plan: &Plan) -> Vec<FixedValue> {
+    if plan.fmu.is_some() {
+        return Vec::new();
+    }
     let determined: FastSet<&str> = determined(plan).collect();
     let (read, structural) = (read(flat), structural(flat));
     let fits = |v: VarId, x: &Variable| {

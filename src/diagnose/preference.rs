@@ -60,13 +60,13 @@ pub fn sort_by_preference(
     if let Some(variation) = hypotheses.first().filter(|h| varies(h)) {
         let as_good = criterion(variation) + policy.evidence;
         let wanted = policy.parametric_share * explained(variation);
-        let is_first_value = is_value(variation);
+        let stays_first = |h: &Hypothesis| is_value(variation) && is_term(h);
         let unseen = variation.validation.total() - policy.evidence;
         let holds_better = |h: &Hypothesis| h.validation.total() < unseen && explained(h) > wanted;
         let named = |h: &Hypothesis| {
             !varies(h)
                 && !ends_with_product(study, h)
-                && !(is_first_value && is_term(h))
+                && !stays_first(h)
                 && !of_instrument(h)
                 && !ends_with_curve(study, h)
                 && (criterion(h) < as_good || holds_better(h))
