@@ -34,6 +34,8 @@ pub struct CandidateFits<'a> {
 
 /// Steps after which a short fit of an alternative may be given up.
 const STEPS_BEFORE_GIVING_UP: u32 = 3;
+/// Share of the promise of an actuator that explains everything which its rivals promise as well.
+const RIVAL_SHARE: f64 = 0.98;
 
 impl CandidateFits<'_> {
     /// The hypothesis extended by each of the proposals, best first.
@@ -83,7 +85,8 @@ impl CandidateFits<'_> {
         let mut hypotheses: Vec<Hypothesis> = Vec::new();
         let (left, mut least_gain) = (self.from.train.total(), f64::NEG_INFINITY);
         let (study, mut variation_resolves) = (self.search.study, false);
-        let mut resolving_gain: f64 = 0.0;
+        // What a proposal must promise beside an instrument that explains everything.
+        let mut least_promise: f64 = 0.0;
         let mut hopeless = self.give_up_above.unwrap_or(f64::INFINITY);
         for proposal in self.proposals {
             if !self.search.may_continue() {
@@ -91,7 +94,7 @@ impl CandidateFits<'_> {
             }
             let gain = proposal.first().map_or(0.0, |s| s.gain);
             let varies = proposal.iter().any(|s| study.effects[s.effect].varies.is_some());
-            let promises_less = gain < policy.alternative_share * resolving_gain;
+            let promises_less = gain < least_promise;
             if proposal.len() > 1 && gain < least_gain
                 || varies && variation_resolves
                 || promises_less
@@ -139,7 +142,14 @@ impl CandidateFits<'_> {
                 // Another effect that explains as much as a sensor promises about as much.
                 let is_of_sensor = ends_with_sensor(&fitted) && !ends_with_curve(study, &fitted);
                 if is_of_sensor && fitted.is_resolved(policy) {
-                    resolving_gain = resolving_gain.max(gain);
+                    least_promise = least_promise.max(policy.alternative_share * gain);
+                }
+                // The rivals of an actuator promise the same to first order.
+                let is_of_actuator = ends_with_instrument(study, &fitted)
+                    && !is_of_sensor
+                    && !ends_with_curve(study, &fitted);
+                if is_of_actuator && fitted.is_complete_fit && fitted.is_resolved(policy) {
+                    least_promise = least_promise.max(RIVAL_SHARE * gain);
                 }
                 let resolves = self.resolves(&fitted);
                 hypotheses.push(fitted);
