@@ -20,7 +20,7 @@ pub(super) fn request(model: &Model, options: &Running) -> Request {
     Request {
         form: options.mode.into(),
         takes_fmu: true,
-        integrating: options.fmi_type.map(Into::into),
+        integrating: options.fmi_type.map(Into::into).unwrap_or_default(),
         ..model.request()
     }
 }

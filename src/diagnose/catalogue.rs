@@ -80,6 +80,11 @@ impl Effect {
         self.varies.is_some() || self.adds.is_some()
     }
 
+    /// True for a parameter that varies with something.
+    pub fn is_variation(&self) -> bool {
+        self.varies.is_some() && !self.binds.is_empty()
+    }
+
     /// True for a parameter that does not vary, but has another value than the model gives it.
     pub fn is_other_value(&self) -> bool {
         self.varies.is_some() && self.binds.is_empty()

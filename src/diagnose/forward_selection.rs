@@ -123,13 +123,12 @@ pub fn promising(
     let most = search.generosity() * policy.fitted_places;
     for s in ranking.iter().filter(|s| s.bic_gain(hypothesis) > policy.evidence) {
         let effect = &study.effects[s.effect];
-        let (is_value, is_choice) = (effect.is_other_value(), effect.choice.is_some());
-        let varies = effect.varies.is_some() && !is_value;
+        let (varies, is_choice) = (effect.is_variation(), effect.choice.is_some());
         let is_repeated = proposals.iter().any(|known| known.promises_as(s));
         if proposals.len() == most
             || is_repeated
             || varies && (variations == policy.fitted_variations || is_special(study, s))
-            || is_value
+            || effect.is_other_value()
             || is_choice && choices == policy.fitted_choices
             || effect.is_product() && products == policy.fitted_products
         {
@@ -141,15 +140,9 @@ pub fn promising(
         proposals.push(s);
     }
     special_variations(search, hypothesis, ranking, &mut proposals);
-    let is_value = |s: &&Scored| study.effects[s.effect].is_other_value();
-    let is_supported = |s: &&Scored| s.bic_gain(hypothesis) > policy.evidence;
-    let values = ranking.iter().filter(is_value).filter(is_supported);
-    proposals.extend(values.take(policy.fitted_values));
+    proposals.extend(other_values(search, hypothesis, ranking));
     // Most curves are given up early once a straight line that promises nearly as much has been fitted.
-    let varies = |s: &Scored| {
-        let effect = &study.effects[s.effect];
-        effect.varies.is_some() && !effect.is_other_value()
-    };
+    let varies = |s: &Scored| study.effects[s.effect].is_variation();
     let lines = proposals.iter().filter(|s| varies(s) && !study.is_curve(s.effect));
     let line = lines.map(|s| s.gain).fold(0.0, f64::max);
     proposals.sort_by_key(|s| {
@@ -168,10 +161,21 @@ pub fn promising(
     proposals.into_iter().map(|s| vec![s.clone()]).collect()
 }
 
+/// The parameters that promise most with another value than the model gives them.
+fn other_values<'r>(
+    search: &Search<'_>,
+    hypothesis: &Hypothesis,
+    ranking: &'r [Scored],
+) -> impl Iterator<Item = &'r Scored> {
+    let (study, policy) = (search.study, search.policy());
+    let is_value = |s: &&Scored| study.effects[s.effect].is_other_value();
+    let is_supported = |s: &&Scored| s.bic_gain(hypothesis) > policy.evidence;
+    ranking.iter().filter(is_value).filter(is_supported).take(policy.fitted_values)
+}
+
 /// True for a parameter that varies by a special law of the catalogue: neither along a straight line nor a free curve.
 fn is_special(study: &Study, s: &Scored) -> bool {
-    let effect = &study.effects[s.effect];
-    effect.varies.is_some() && !effect.is_other_value() && !has_formulas(study, s.effect)
+    study.effects[s.effect].is_variation() && !has_formulas(study, s.effect)
 }
 
 /// Adds the special law by which a parameter varies that promises most, if it promises more than a straight line over
@@ -188,7 +192,7 @@ fn special_variations<'r>(
         return;
     };
     let is_line = |s: &&Scored| {
-        study.effects[s.effect].varies.is_some()
+        study.effects[s.effect].is_variation()
             && !study.is_curve(s.effect)
             && !is_special(study, s)
             && s.place == best.place

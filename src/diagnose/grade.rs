@@ -60,8 +60,8 @@ pub fn grade(outcome: &Outcome, group: &[ChosenEffect]) -> Option<Grade> {
     }
     let effect = &study.effects[first.effect];
     let is_curve = study.is_curve(first.effect) || effect.formula.is_some();
-    let varies = effect.varies.is_some() && !effect.is_other_value();
-    let is_vague = is_curve || varies || effect.is_product() || !after.is_determined(study);
+    let is_vague =
+        is_curve || effect.is_variation() || effect.is_product() || !after.is_determined(study);
     Some(match is_vague {
         true => Grade::Curve,
         false if !outcome.diagnosis.leaves_noise(&study.policy) => Grade::Partial,

@@ -141,9 +141,9 @@ impl Extension<'_> {
         out.push_str(&self.connections(attached));
         let entries = [
             variations(attached),
-            additions(attached),
+            additions(attached, "adds", |e| e.adds.as_ref()),
             passages(attached),
-            start_offsets(attached),
+            additions(attached, "starts", |e| e.starts.as_ref()),
         ];
         let entries = entries.iter().filter_map(Option::as_deref);
         let own: Vec<&str> = self.measured.into_iter().chain(entries).collect();
@@ -188,14 +188,19 @@ fn variations(attached: &[Attached<'_>]) -> Option<String> {
     (!all.is_empty()).then(|| format!("varies = \"{}\"", all.join(", ")))
 }
 
-/// The entry of the annotation `__mocc` that adds terms to equations, if an effect is one.
-fn additions(attached: &[Attached<'_>]) -> Option<String> {
+/// The entry of the annotation `__mocc` that adds variables of effects to what their places name, if effects have such: terms
+/// of equations, offsets of starts.
+fn additions(
+    attached: &[Attached<'_>],
+    key: &str,
+    own: impl Fn(&Effect) -> Option<&String>,
+) -> Option<String> {
     let of = |a: &Attached<'_>| {
-        let (term, rate) = (a.effect.adds.as_ref()?, a.place.at.first()?);
-        Some(format!("{rate} = {}.{term}", a.name))
+        let (added, to) = (own(a.effect)?, a.place.at.first()?);
+        Some(format!("{to} = {}.{added}", a.name))
     };
     let all: Vec<String> = attached.iter().filter_map(of).collect();
-    (!all.is_empty()).then(|| format!("adds = \"{}\"", all.join(", ")))
+    (!all.is_empty()).then(|| format!("{key} = \"{}\"", all.join(", ")))
 }
 
 /// The entry of the annotation `__mocc` that leads inputs through effects, if one acts on them.
@@ -207,16 +212,6 @@ fn passages(attached: &[Attached<'_>]) -> Option<String> {
     let (first, others): (Vec<_>, Vec<_>) = attached.iter().partition(|a| a.effect.is_first);
     let all: Vec<String> = first.iter().chain(&others).filter_map(of).collect();
     (!all.is_empty()).then(|| format!("through = \"{}\"", all.join(", ")))
-}
-
-/// The entry of the annotation `__mocc` that adds to the starts of states, if an effect does.
-fn start_offsets(attached: &[Attached<'_>]) -> Option<String> {
-    let of = |a: &Attached<'_>| {
-        let (offset, state) = (a.effect.starts.as_ref()?, a.place.at.first()?);
-        Some(format!("{state} = {}.{offset}", a.name))
-    };
-    let all: Vec<String> = attached.iter().filter_map(of).collect();
-    (!all.is_empty()).then(|| format!("starts = \"{}\"", all.join(", ")))
 }
 
 /// The path of a parameter in the tree of modifications.

@@ -1,6 +1,7 @@
 //! The order of preference among fitted hypotheses.
 
 use super::hypothesis::Hypothesis;
+use super::policy::SearchPolicy;
 use super::search::Search;
 use super::study::Study;
 
@@ -16,122 +17,158 @@ pub fn sort_by_preference(
 ) {
     let (study, policy) = (search.study, search.policy());
     hypotheses.sort_by(|a, b| criterion(a).total_cmp(&criterion(b)));
+    let order = Preference { study, policy, from, criterion: &criterion };
     // A special case of a law that explains the same says no more.
-    prefer_earlier_law(hypotheses, &criterion, SAME_CRITERION);
-    // An instrument is blamed only if no effect on the measured machine explains as much: an effect in proportion
-    // to a pressure is also a scale error of its sensor. Where much is left, small differences mean little, except to
-    // a parameter that varies, which follows what any other effect leaves.
-    let of_instrument = |h: &Hypothesis| ends_with_instrument(study, h);
-    let varies = |h: &Hypothesis| ends_with_variation(study, h);
-    let explained = |h: &Hypothesis| from.train.total() - h.train.total();
-    if let Some(instrument) = hypotheses.first().filter(|h| of_instrument(h)) {
-        let least = criterion(instrument);
-        let margin = |h: &Hypothesis| match instrument.chi2_train() < policy.resolved_validation {
-            false if !varies(h) => policy.evidence.max(policy.instrument_share * least),
-            _ => policy.evidence,
-        };
-        let machine = |h: &Hypothesis| !of_instrument(h) && criterion(h) < least + margin(h);
-        if let Some(k) = hypotheses.iter().position(machine) {
-            hypotheses[..=k].rotate_right(1);
-        }
-    }
-    // Of two instruments the actuator comes first.
-    if let Some(sensor) = hypotheses.first().filter(|h| ends_with_sensor(h)) {
-        let as_good = criterion(sensor) + policy.evidence;
-        let actuator =
-            |h: &Hypothesis| of_instrument(h) && !ends_with_sensor(h) && !ends_with_curve(study, h);
-        let actuator = |h: &Hypothesis| actuator(h) && criterion(h) < as_good;
-        if let Some(k) = hypotheses.iter().position(actuator) {
-            hypotheses[..=k].rotate_right(1);
-        }
-    }
-    // A term of an equation that explains the same as a wrong value of a parameter is no missing law.
-    let is_value = |h: &Hypothesis| ends_with_value(study, h);
-    let is_term = |h: &Hypothesis| ends_with_term(study, h);
-    if let Some(term) = hypotheses.first().filter(|h| is_term(h)) {
-        let as_good = criterion(term) + policy.evidence;
-        let value = |h: &Hypothesis| is_value(h) && criterion(h) < as_good;
-        if let Some(k) = hypotheses.iter().position(value) {
-            hypotheses[..=k].rotate_right(1);
-        }
-    }
-    // A parameter that varies is a finding without a name: a named law comes first if it explains as much, or nearly as
-    // much and more of what was never fitted.
-    if let Some(variation) = hypotheses.first().filter(|h| varies(h)) {
-        let as_good = criterion(variation) + policy.evidence;
-        let wanted = policy.parametric_share * explained(variation);
-        let stays_first = |h: &Hypothesis| is_value(variation) && is_term(h);
-        let unseen = variation.validation.total() - policy.evidence;
-        let holds_better = |h: &Hypothesis| h.validation.total() < unseen && explained(h) > wanted;
-        let named = |h: &Hypothesis| {
-            !varies(h)
-                && !ends_with_product(study, h)
-                && !stays_first(h)
-                && !of_instrument(h)
-                && !ends_with_curve(study, h)
-                && (criterion(h) < as_good || holds_better(h))
-        };
-        if let Some(k) = hypotheses.iter().position(named) {
-            hypotheses[..=k].rotate_right(1);
-        }
-    }
-    if let Some(product) = hypotheses.first().filter(|h| ends_with_product(study, h)) {
-        let as_good = criterion(product) + policy.evidence;
-        let plainer = |h: &Hypothesis| {
-            !ends_with_product(study, h)
-                && !ends_with_curve(study, h)
-                && !of_instrument(h)
-                && criterion(h) < as_good
-        };
-        if let Some(k) = hypotheses.iter().position(plainer) {
-            hypotheses[..=k].rotate_right(1);
-        }
-    }
+    order.earlier_law(hypotheses, SAME_CRITERION);
+    order.machine_before_instrument(hypotheses);
+    order.actuator_before_sensor(hypotheses);
+    order.value_before_term(hypotheses);
+    order.named_law_before_variation(hypotheses);
+    order.plainer_law_before_product(hypotheses);
     // Of the laws by which a parameter varies with a variable, the straight line is the first of the catalogue.
-    if hypotheses.first().is_some_and(varies) {
-        prefer_earlier_law(hypotheses, &criterion, policy.evidence);
+    if hypotheses.first().is_some_and(|h| ends_with_variation(study, h)) {
+        order.earlier_law(hypotheses, policy.evidence);
     }
-    let Some(curve) = hypotheses.first().filter(|h| ends_with_curve(study, h)) else { return };
-    let wanted = policy.parametric_share * explained(curve);
-    let limit = policy.parametric_factor * curve.train.total();
-    // Where the curve leaves hardly more than noise, what a named law leaves more of is evidence against it; elsewhere
-    // the curve describes drift and rounding as well.
-    let is_near_noise =
-        curve.chi2_train().max(curve.chi2_validation()) < policy.resolved_validation;
-    let as_good = criterion(curve) + policy.evidence;
-    let nearly_as_good = |h: &Hypothesis| match is_near_noise {
-        true => criterion(h) < as_good || h.is_resolved(policy),
-        false => {
-            explained(h) > wanted
-                && h.train.total() < limit
-                && h.validation.total() <= policy.parametric_factor * curve.validation.total()
-        }
-    };
-    let is_parametric = |h: &Hypothesis| !ends_with_curve(study, h) && !of_instrument(h);
-    if let Some(k) = hypotheses.iter().position(|h| is_parametric(h) && nearly_as_good(h)) {
-        hypotheses[..=k].rotate_right(1);
-    }
+    order.parametric_law_before_curve(hypotheses);
 }
 
 /// Difference of criteria below which two laws explain the same.
 const SAME_CRITERION: f64 = 0.5;
 
-/// Puts an earlier law of the catalogue at the place of the first hypothesis before that, if its criterion is not greater by
-/// more than a margin.
-fn prefer_earlier_law(
-    hypotheses: &mut [Hypothesis],
-    criterion: &impl Fn(&Hypothesis) -> f64,
-    margin: f64,
-) {
-    let Some(first) = hypotheses.first() else { return };
-    let Some(own) = first.effects.last() else { return };
-    let limit = criterion(first) + margin;
-    let is_earlier = |h: &Hypothesis| {
-        let other = h.effects.last();
-        other.is_some_and(|c| c.place == own.place && c.effect < own.effect) && criterion(h) < limit
-    };
-    if let Some(k) = hypotheses.iter().position(is_earlier) {
+/// Puts the first hypothesis of a kind before all others.
+fn promote(hypotheses: &mut [Hypothesis], is: impl Fn(&Hypothesis) -> bool) {
+    if let Some(k) = hypotheses.iter().position(is) {
         hypotheses[..=k].rotate_right(1);
+    }
+}
+
+/// The rules by which another hypothesis takes the place of the first one.
+struct Preference<'a> {
+    study: &'a Study,
+    policy: &'a SearchPolicy,
+    from: &'a Hypothesis,
+    criterion: &'a dyn Fn(&Hypothesis) -> f64,
+}
+
+impl Preference<'_> {
+    fn explained(&self, hypothesis: &Hypothesis) -> f64 {
+        self.from.train.total() - hypothesis.train.total()
+    }
+
+    fn of_instrument(&self, hypothesis: &Hypothesis) -> bool {
+        ends_with_instrument(self.study, hypothesis)
+    }
+
+    /// An earlier law of the catalogue at the place of the first hypothesis comes before that, if its criterion is not
+    /// greater by more than a margin.
+    fn earlier_law(&self, hypotheses: &mut [Hypothesis], margin: f64) {
+        let Some(first) = hypotheses.first() else { return };
+        let Some(own) = first.effects.last().cloned() else { return };
+        let limit = (self.criterion)(first) + margin;
+        promote(hypotheses, |h| {
+            let other = h.effects.last();
+            other.is_some_and(|c| c.place == own.place && c.effect < own.effect)
+                && (self.criterion)(h) < limit
+        });
+    }
+
+    /// An instrument is blamed only if no effect on the measured machine explains as much: an effect in proportion to a
+    /// pressure is also a scale error of its sensor. Where much is left, small differences mean little, except to a
+    /// parameter that varies, which follows what any other effect leaves.
+    fn machine_before_instrument(&self, hypotheses: &mut [Hypothesis]) {
+        let Some(first) = hypotheses.first().filter(|h| self.of_instrument(h)) else { return };
+        let (least, policy) = ((self.criterion)(first), self.policy);
+        let is_near_noise = first.chi2_train() < policy.resolved_validation;
+        let margin = |h: &Hypothesis| match is_near_noise {
+            false if !ends_with_variation(self.study, h) => {
+                policy.evidence.max(policy.instrument_share * least)
+            }
+            _ => policy.evidence,
+        };
+        promote(hypotheses, |h| !self.of_instrument(h) && (self.criterion)(h) < least + margin(h));
+    }
+
+    /// Of two instruments that explain the same, the actuator comes first.
+    fn actuator_before_sensor(&self, hypotheses: &mut [Hypothesis]) {
+        let Some(first) = hypotheses.first().filter(|h| ends_with_sensor(h)) else { return };
+        let as_good = (self.criterion)(first) + self.policy.evidence;
+        promote(hypotheses, |h| {
+            self.of_instrument(h)
+                && !ends_with_sensor(h)
+                && !ends_with_curve(self.study, h)
+                && (self.criterion)(h) < as_good
+        });
+    }
+
+    /// A term of an equation that explains the same as a wrong value of a parameter is no missing law.
+    fn value_before_term(&self, hypotheses: &mut [Hypothesis]) {
+        let is_term = |h: &&Hypothesis| ends_with_term(self.study, h);
+        let Some(first) = hypotheses.first().filter(is_term) else { return };
+        let as_good = (self.criterion)(first) + self.policy.evidence;
+        promote(hypotheses, |h| ends_with_value(self.study, h) && (self.criterion)(h) < as_good);
+    }
+
+    /// A parameter that varies is a finding without a name: a named law comes first if it explains as much, or nearly as
+    /// much and more of what was never fitted.
+    fn named_law_before_variation(&self, hypotheses: &mut [Hypothesis]) {
+        let (study, policy) = (self.study, self.policy);
+        let varies = |h: &Hypothesis| ends_with_variation(study, h);
+        let Some(first) = hypotheses.first().filter(|h| varies(h)) else { return };
+        let as_good = (self.criterion)(first) + policy.evidence;
+        let wanted = policy.parametric_share * self.explained(first);
+        let unseen = first.validation.total() - policy.evidence;
+        let is_value = ends_with_value(study, first);
+        let holds_better =
+            |h: &Hypothesis| h.validation.total() < unseen && self.explained(h) > wanted;
+        let is_named = |h: &Hypothesis| match ends_with_term(study, h) {
+            true => !is_value && !ends_with_product(study, h),
+            false => !varies(h),
+        };
+        promote(hypotheses, |h| {
+            is_named(h)
+                && !self.of_instrument(h)
+                && !ends_with_curve(study, h)
+                && ((self.criterion)(h) < as_good || holds_better(h))
+        });
+    }
+
+    /// A term with one variable, or another law, comes before a product of variables that explains the same.
+    fn plainer_law_before_product(&self, hypotheses: &mut [Hypothesis]) {
+        let study = self.study;
+        let is_product = |h: &&Hypothesis| ends_with_product(study, h);
+        let Some(first) = hypotheses.first().filter(is_product) else { return };
+        let as_good = (self.criterion)(first) + self.policy.evidence;
+        promote(hypotheses, |h| {
+            !ends_with_product(study, h)
+                && !ends_with_curve(study, h)
+                && !self.of_instrument(h)
+                && (self.criterion)(h) < as_good
+        });
+    }
+
+    /// A parametric law comes before a free curve that explains hardly more. Where the curve leaves hardly more than noise,
+    /// what a named law leaves more of is evidence against it; elsewhere the curve describes drift and rounding as well.
+    fn parametric_law_before_curve(&self, hypotheses: &mut [Hypothesis]) {
+        let (study, policy) = (self.study, self.policy);
+        let is_curve = |h: &&Hypothesis| ends_with_curve(study, h);
+        let Some(first) = hypotheses.first().filter(is_curve) else { return };
+        let wanted = policy.parametric_share * self.explained(first);
+        let limit = policy.parametric_factor * first.train.total();
+        let most_held_out = policy.parametric_factor * first.validation.total();
+        let is_near_noise =
+            first.chi2_train().max(first.chi2_validation()) < policy.resolved_validation;
+        let as_good = (self.criterion)(first) + policy.evidence;
+        let nearly_as_good = |h: &Hypothesis| match is_near_noise {
+            true => (self.criterion)(h) < as_good || h.is_resolved(policy),
+            false => {
+                self.explained(h) > wanted
+                    && h.train.total() < limit
+                    && h.validation.total() <= most_held_out
+            }
+        };
+        promote(hypotheses, |h| {
+            !ends_with_curve(study, h) && !self.of_instrument(h) && nearly_as_good(h)
+        });
     }
 }
 

@@ -75,8 +75,8 @@ pub struct Request {
     pub max_size: Option<usize>,
     /// The file may be an FMU: foreign code, which a run will load.
     pub takes_fmu: bool,
-    /// Who integrates an FMU; without it mocc, if the FMU offers it.
-    pub integrating: Option<Integrating>,
+    /// Who integrates an FMU.
+    pub integrating: Integrating,
 }
 
 /// Why a request has no result. The diagnostics of the session hold the details.

@@ -40,10 +40,7 @@ impl Session {
         let path = file.display().to_string();
         let foreign = match self.foreign.clone().filter(|f| f.file() == path) {
             Some(foreign) => foreign,
-            None => match model::open(
-                file,
-                request.integrating.unwrap_or(model::Integrating::RatherHere),
-            ) {
+            None => match model::open(file, request.integrating) {
                 Ok(fmu) => Arc::new(fmu) as Arc<dyn ForeignModel>,
                 Err(diagnostic) => {
                     self.problems.push(*diagnostic);

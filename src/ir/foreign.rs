@@ -136,6 +136,57 @@ pub trait ForeignInstance {
     fn renew(&mut self) -> Result<(), ForeignFault>;
 }
 
+/// An instance that goes from one communication point to the next, whoever integrates it.
+pub trait SteppingInstance {
+    /// Initialises it from `start`, s, on with these values.
+    fn initialise(
+        &mut self,
+        span: [f64; 2],
+        tolerance: f64,
+        values: &[(usize, f64)],
+    ) -> Result<(), ForeignFault>;
+    /// The watched values after the last step.
+    fn values(&mut self, values: &mut [f64]) -> Result<(), ForeignFault>;
+    /// Steps from `t` by `size`, s, with these inputs.
+    fn step(
+        &mut self,
+        t: f64,
+        size: f64,
+        inputs: &[(usize, f64)],
+    ) -> Result<AfterStep, ForeignFault>;
+    /// Takes it back to where it was before its initialization.
+    fn renew(&mut self) -> Result<(), ForeignFault>;
+}
+
+/// An instance of a model that integrates itself.
+impl SteppingInstance for Box<dyn ForeignInstance + Send> {
+    fn initialise(
+        &mut self,
+        span: [f64; 2],
+        tolerance: f64,
+        values: &[(usize, f64)],
+    ) -> Result<(), ForeignFault> {
+        (**self).initialise(span, tolerance, values).map(drop)
+    }
+
+    fn values(&mut self, values: &mut [f64]) -> Result<(), ForeignFault> {
+        (**self).values(None, values)
+    }
+
+    fn step(
+        &mut self,
+        t: f64,
+        size: f64,
+        inputs: &[(usize, f64)],
+    ) -> Result<AfterStep, ForeignFault> {
+        (**self).step(t, size, inputs)
+    }
+
+    fn renew(&mut self) -> Result<(), ForeignFault> {
+        (**self).renew()
+    }
+}
+
 /// A point of evaluation.
 #[derive(Clone, Copy, Debug)]
 pub struct At<'a> {

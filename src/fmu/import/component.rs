@@ -16,7 +16,7 @@ use crate::base::index::{FastMap, FastSet};
 use crate::base::source::Span;
 use crate::external::component::Component;
 use crate::fmu::cause::FmuCause;
-use crate::ir::foreign::{ForeignFault, ForeignInstance, ForeignModel, ForeignRole};
+use crate::ir::foreign::{ForeignFault, ForeignModel, ForeignRole, SteppingInstance};
 
 /// Runs whose instances are kept if nobody says that they have ended; those of the oldest are ended.
 const MOST_RUNS: usize = 64;
@@ -79,7 +79,7 @@ impl std::fmt::Debug for Store {
 /// The instance of a run.
 #[derive(Default)]
 struct Live {
-    instance: Option<Box<dyn ForeignInstance + Send>>,
+    instance: Option<Box<dyn SteppingInstance + Send>>,
     /// The state in which it is.
     at: u64,
     /// The instant, s.
@@ -170,7 +170,7 @@ impl Store {
     }
 
     /// Ends the runs of this thread; their instances.
-    fn release(&mut self) -> Vec<Box<dyn ForeignInstance + Send>> {
+    fn release(&mut self) -> Vec<Box<dyn SteppingInstance + Send>> {
         let thread = thread_number();
         let (ended, others): (VecDeque<_>, _) =
             std::mem::take(&mut self.runs).into_iter().partition(|r| r.thread == thread);
@@ -276,7 +276,7 @@ impl FmuComponent {
         let reached = self.reach(&mut live, run, state).and_then(|()| {
             let mut values = vec![0.0; self.watched.len()];
             if let Some(instance) = &mut live.instance {
-                instance.values(None, &mut values)?;
+                instance.values(&mut values)?;
             }
             Ok(values)
         });

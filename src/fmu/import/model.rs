@@ -13,17 +13,20 @@ use crate::fmu::archive::Archive;
 use crate::fmu::cause::FmuCause;
 use crate::fmu::description::Version;
 use crate::io::atomic_file::scratch_path;
-use crate::ir::foreign::{ForeignFault, ForeignInstance, ForeignInterface, ForeignModel};
+use crate::ir::foreign::{
+    ForeignFault, ForeignInstance, ForeignInterface, ForeignModel, SteppingInstance,
+};
 use crate::simulate::foreign::coupled::Coupled;
 
 /// Who integrates.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Integrating {
     /// mocc: Model Exchange.
     Here,
     /// The FMU: Co-Simulation.
     There,
     /// mocc, or the FMU if it offers Co-Simulation only.
+    #[default]
     RatherHere,
     /// The FMU, or mocc if it offers Model Exchange only.
     RatherThere,
@@ -41,7 +44,7 @@ pub struct Fmu {
 
 /// Instances of ended runs, in their processes, that wait for the next.
 #[derive(Default)]
-struct Idle(Mutex<Vec<Box<dyn ForeignInstance + Send>>>);
+struct Idle(Mutex<Vec<Box<dyn SteppingInstance + Send>>>);
 
 impl std::fmt::Debug for Idle {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -226,7 +229,7 @@ impl Fmu {
     pub fn start_stepping(
         &self,
         watched: &[usize],
-    ) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault> {
+    ) -> Result<Box<dyn SteppingInstance + Send>, ForeignFault> {
         let idle = self.idle.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let renewed = idle.and_then(|mut idle| idle.renew().is_ok().then_some(idle));
         if let Some(renewed) = renewed {
@@ -234,13 +237,13 @@ impl Fmu {
         }
         let new = self.start(watched)?;
         Ok(match self.interface.steps_itself {
-            true => new,
+            true => Box::new(new),
             false => Box::new(Coupled::new(new, &self.interface)),
         })
     }
 
     /// Takes instances of runs that have ended well.
-    pub fn give_back(&self, instances: Vec<Box<dyn ForeignInstance + Send>>) {
+    pub fn give_back(&self, instances: Vec<Box<dyn SteppingInstance + Send>>) {
         let mut idle = self.idle.0.lock().unwrap_or_else(PoisonError::into_inner);
         let room = MOST_IDLE.saturating_sub(idle.len());
         idle.extend(instances.into_iter().take(room));

@@ -212,8 +212,8 @@ impl Variation {
         for (s, z) in self.s.iter_mut().zip(&self.z[2]) {
             *s += z;
         }
-        let continued = self.continued && !std::mem::take(&mut self.kink);
-        self.polynomial.set(h, end, &self.s, &self.z, continued);
+        let smooth = !std::mem::take(&mut self.kink);
+        self.polynomial.set(h, end, &self.s, &self.z, self.continued && smooth);
         self.continued = self.mass.is_none();
         Ok(())
     }

@@ -1,6 +1,6 @@
 //! A foreign model for Model Exchange, driven from one communication point to the next as one for Co-Simulation.
 //!
-//! In: an instance that gives derivatives. Out: an instance that steps: the integrator and the event iteration run here.
+//! In: an instance that gives derivatives. Out: a [`SteppingInstance`]: the integrator and the event iteration run here.
 //! Inputs are held within a step, so where they change they jump, which is an event.
 
 use std::sync::Arc;
@@ -11,8 +11,8 @@ use crate::base::source::Span;
 use crate::integrate::options::OptionError;
 use crate::integrate::outcome::Step;
 use crate::ir::foreign::{
-    AfterEvent, AfterStep, At, ForeignFault, ForeignFaultKind, ForeignInstance, ForeignInterface,
-    ForeignRole,
+    AfterStep, At, ForeignFault, ForeignFaultKind, ForeignInstance, ForeignInterface, ForeignRole,
+    SteppingInstance,
 };
 use crate::simulate::cause::{NonFinite, RunCause};
 use crate::simulate::method::Integrator;
@@ -69,7 +69,7 @@ enum Phase {
     Made(Instance),
     /// After it.
     Runs(Box<Integration<Instance, Held>>),
-    /// Its initialization has failed, or it has ended.
+    /// An operation has failed.
     Gone,
 }
 
@@ -86,14 +86,6 @@ impl Coupled {
         let inputs = interface.variables.iter().filter(|v| v.role == ForeignRole::Input);
         let is_input = Arc::new(inputs.map(|v| v.value).collect());
         Coupled { shape: Shape::of(interface), is_input, phase: Phase::Made(instance) }
-    }
-
-    fn inner(&mut self) -> Result<&mut (dyn ForeignInstance + Send), ForeignFault> {
-        match &mut self.phase {
-            Phase::Made(instance) => Ok(&mut **instance),
-            Phase::Runs(run) => Ok(&mut *run.system.instance),
-            Phase::Gone => Err(gone()),
-        }
     }
 
     fn running(&mut self) -> Result<&mut Integration<Instance, Held>, ForeignFault> {
@@ -168,18 +160,18 @@ impl Integration<Instance, Held> {
     }
 }
 
-impl ForeignInstance for Coupled {
+impl SteppingInstance for Coupled {
     fn initialise(
         &mut self,
         span: [f64; 2],
         tolerance: f64,
         values: &[(usize, f64)],
-    ) -> Result<AfterEvent, ForeignFault> {
+    ) -> Result<(), ForeignFault> {
         let Phase::Made(mut instance) = std::mem::replace(&mut self.phase, Phase::Gone) else {
             return Err(gone());
         };
         let start = span[0];
-        let after = instance.initialise(span, tolerance, values)?;
+        let after = ForeignInstance::initialise(&mut *instance, span, tolerance, values)?;
         let options = self.shape.options(tolerance, &after);
         let is_input = Arc::clone(&self.is_input);
         let held = Held { is_input, values: values.to_vec(), changed: Vec::new() };
@@ -190,41 +182,14 @@ impl ForeignInstance for Coupled {
         let mut run = Integration::begin(system, stepper, self.shape, start, &after);
         run.restart().map_err(|why| explained(why, start))?;
         self.phase = Phase::Runs(Box::new(run));
-        Ok(after)
+        Ok(())
     }
 
-    fn evaluate(
-        &mut self,
-        at: &At<'_>,
-        derivatives: &mut [f64],
-        indicators: &mut [f64],
-    ) -> Result<(), ForeignFault> {
-        self.inner()?.evaluate(at, derivatives, indicators)
-    }
-
-    fn jacobian(&mut self, at: &At<'_>, entries: &mut [f64]) -> Result<(), ForeignFault> {
-        self.inner()?.jacobian(at, entries)
-    }
-
-    fn values(&mut self, at: Option<&At<'_>>, values: &mut [f64]) -> Result<(), ForeignFault> {
-        if at.is_some() {
-            return self.inner()?.values(at, values);
-        }
+    fn values(&mut self, values: &mut [f64]) -> Result<(), ForeignFault> {
         let Integration { system, t, y, ended, .. } = self.running()?;
-        if *ended {
-            return system.instance.values(None, values);
-        }
         system.inputs_at(*t);
         let at = At { t: *t, states: &y[..system.states], inputs: &system.inputs };
-        system.instance.values(Some(&at), values)
-    }
-
-    fn complete(&mut self, at: &At<'_>) -> Result<AfterStep, ForeignFault> {
-        self.inner()?.complete(at)
-    }
-
-    fn event(&mut self, at: &At<'_>) -> Result<AfterEvent, ForeignFault> {
-        self.inner()?.event(at)
+        ForeignInstance::values(&mut *system.instance, (!*ended).then_some(&at), values)
     }
 
     fn step(
@@ -243,19 +208,13 @@ impl ForeignInstance for Coupled {
         Ok(AfterStep { reached: run.t, asks_for_event: false, ends: run.ended })
     }
 
-    fn end(&mut self) {
-        if let Ok(inner) = self.inner() {
-            inner.end();
-        }
-    }
-
     fn renew(&mut self) -> Result<(), ForeignFault> {
         let mut instance = match std::mem::replace(&mut self.phase, Phase::Gone) {
             Phase::Made(instance) => instance,
             Phase::Runs(run) => run.system.instance,
             Phase::Gone => return Err(gone()),
         };
-        instance.renew()?;
+        ForeignInstance::renew(&mut *instance)?;
         self.phase = Phase::Made(instance);
         Ok(())
     }
