@@ -15,6 +15,9 @@ use super::cause::{FlattenCause, WrongStart};
 
 /// Adds parameters to the starts of states, each pair a state and a parameter. Returns what cannot be done.
 pub(super) fn apply(flat: &mut FlatModel, pairs: &[Pair]) -> Vec<Diagnostic> {
+    if pairs.is_empty() {
+        return Vec::new();
+    }
     let by_name: FastMap<&str, VarId> =
         flat.variables.enumerate().map(|(v, x)| (x.name.as_str(), v)).collect();
     let (mut offsets, mut problems) = (Vec::new(), Vec::new());
