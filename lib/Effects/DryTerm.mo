@@ -18,5 +18,5 @@ equation
   annotation(__mocc(
     effect   = "adds=term; of=state; amplitude=F>0; delta=1e-5*span(moved)",
     law      = "-F sign(x)",
-    explains = "The equation of %at lacks a term of constant size against its variable, such as dry friction."));
+    explains = "The equation of %at lacks dry friction: a term of constant size against the motion."));
 end DryTerm;

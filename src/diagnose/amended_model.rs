@@ -3,6 +3,7 @@
 use crate::calibrate::evaluate::{MEASURED, sensors_text};
 use crate::ir::flat::Experiment;
 
+use super::fixed_value::corrected_value;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::model_source::{Attached, Extension, ParameterValue};
 use super::result::{Diagnosis, sentences, unit};
@@ -63,13 +64,9 @@ fn other_value(
     hypothesis: &Hypothesis,
     chosen: &ChosenEffect,
 ) -> Option<ParameterValue> {
-    let parameter = chosen.place.at.first()?;
-    let known = study.fixed_values.iter().find(|v| v.parameter == *parameter)?;
-    let amplitude = study.effects[chosen.effect].amplitudes.first()?;
-    let (logarithm, error) = hypothesis.estimate(&chosen.full_name(&amplitude.name))?;
-    let value = known.value * logarithm.exp();
-    let comment = format!("+- {:.2e}, instead of {}", (value * error).abs(), known.value);
-    Some(ParameterValue { name: parameter.clone(), value, comment })
+    let corrected = corrected_value(study, hypothesis, chosen)?;
+    let comment = format!("+- {:.2e}, instead of {}", corrected.error, corrected.in_model);
+    Some(ParameterValue { name: corrected.parameter, value: corrected.value, comment })
 }
 
 /// An effect with its estimates, and their standard errors as comments.
@@ -86,7 +83,9 @@ fn with_estimates<'a>(
         let Some((value, error)) = hypothesis.estimate(&full) else { continue };
         values.push((parameter.clone(), value));
         let base = parameter.split('[').next().unwrap_or(parameter).to_owned();
-        comments.push((base, format!("+- {error:.2e} {}", unit(effect, parameter))));
+        let unit = unit(effect, parameter);
+        let unit = if unit == "1" { String::new() } else { unit };
+        comments.push((base, format!("+- {error:.2e} {unit}").trim_end().to_owned()));
     }
     let fixed = chosen.fixed.iter().filter(|(p, _)| !chosen.fitted.contains(p));
     values.extend(fixed.cloned());

@@ -7,7 +7,9 @@ use crate::flatten::start_offset::starts_by_declaration;
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::flat::{FlatModel, Variability, Variable};
 
+use super::hypothesis::{ChosenEffect, Hypothesis};
 use super::place::Place;
+use super::study::Study;
 use super::variation::states;
 
 /// Largest number of such parameters that are looked at.
@@ -71,6 +73,33 @@ pub fn fixed_starts(flat: &FlatModel, plan: &Plan) -> Vec<String> {
 /// A place at each of them.
 pub fn places(values: &[FixedValue]) -> Vec<Place> {
     values.iter().map(|v| Place::at(std::slice::from_ref(&v.parameter))).collect()
+}
+
+/// A parameter whose value in the model is wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CorrectedValue {
+    /// Its full name.
+    pub parameter: String,
+    /// Its value in the model.
+    pub in_model: f64,
+    /// The value that the recordings support.
+    pub value: f64,
+    /// The standard error of that.
+    pub error: f64,
+}
+
+/// The value that an effect of this kind gives its parameter: that of the model times `exp(a)`. `None` for another effect.
+pub fn corrected_value(
+    study: &Study,
+    hypothesis: &Hypothesis,
+    chosen: &ChosenEffect,
+) -> Option<CorrectedValue> {
+    let effect = Some(&study.effects[chosen.effect]).filter(|e| e.is_other_value())?;
+    let parameter = chosen.place.at.first()?.clone();
+    let in_model = study.fixed_values.iter().find(|v| v.parameter == parameter)?.value;
+    let (a, error) = hypothesis.estimate(&chosen.full_name(&effect.amplitudes.first()?.name))?;
+    let value = in_model * a.exp();
+    Some(CorrectedValue { parameter, in_model, value, error: (value * error).abs() })
 }
 
 /// The names that a plan gives values to.

@@ -104,6 +104,16 @@ impl Form {
         self.terms.iter().any(|t| t.modelica == ONE.modelica)
     }
 
+    /// Another form is the same less its value at 0.
+    fn has_twin_from_zero(&self) -> bool {
+        self.terms.iter().any(|t| [DECLINE.modelica, COSINE.modelica].contains(&t.modelica))
+    }
+
+    /// It is another form less its value at 0.
+    fn is_twin_from_zero(&self) -> bool {
+        self.terms.iter().any(|t| [FALL.modelica, COSINE_LESS_ONE.modelica].contains(&t.modelica))
+    }
+
     /// It equals another form where the variable has only one sign.
     pub fn needs_both_signs(&self) -> bool {
         let of_magnitude = [MAGNITUDE.modelica, EVEN_POWER.modelica];
@@ -211,6 +221,11 @@ const DECLINE: Term = Term {
     shown: "1/(1 + ({u}/width)^2)",
     value: |u, p| 1.0 / (1.0 + (u / p[0]).powi(2)),
 };
+const FALL: Term = Term {
+    modelica: "(1/(1 + ({u}/width)^2) - 1)",
+    shown: "(1/(1 + ({u}/width)^2) - 1)",
+    value: |u, p| 1.0 / (1.0 + (u / p[0]).powi(2)) - 1.0,
+};
 const SINE: Term = Term {
     modelica: "sin(wave_number*{u})",
     shown: "sin(wave_number {u})",
@@ -220,6 +235,11 @@ const COSINE: Term = Term {
     modelica: "cos(wave_number*{u})",
     shown: "cos(wave_number {u})",
     value: |u, p| (p[0] * u).cos(),
+};
+const COSINE_LESS_ONE: Term = Term {
+    modelica: "(cos(wave_number*{u}) - 1)",
+    shown: "(cos(wave_number {u}) - 1)",
+    value: |u, p| (p[0] * u).cos() - 1.0,
 };
 const HINGE: Term = Term {
     modelica: "noEvent(max(0, {u} - centre))",
@@ -310,6 +330,13 @@ static FORMS: &[Form] = &[
     Form { name: "Saturation", terms: &[SATURATION], shapes: &[WIDTH], is_zero_at_zero: true },
     Form { name: "Hyperbola", terms: &[HYPERBOLA], shapes: &[WIDTH], is_zero_at_zero: true },
     Form { name: "DeadBand", terms: &[DEAD_BAND], shapes: &[EDGE], is_zero_at_zero: true },
+    Form { name: "Fall", terms: &[FALL], shapes: &[WIDTH], is_zero_at_zero: true },
+    Form {
+        name: "Swing",
+        terms: &[SINE, COSINE_LESS_ONE],
+        shapes: &[WAVE_NUMBER],
+        is_zero_at_zero: true,
+    },
     Form {
         name: "LineAndDeadBand",
         terms: &[LINE, DEAD_BAND],
@@ -350,8 +377,9 @@ pub fn formulas(effects: &[Effect]) -> Vec<Effect> {
     for (k, effect) in effects.iter().enumerate() {
         let Some(curve) = &effect.curve else { continue };
         let fits = |form: &&Form| match () {
-            () if curve.is_anchored => !form.has_constant(),
-            () => form.is_zero_at_zero || !curve.is_zero_at_zero,
+            () if curve.is_anchored => !form.has_constant() && !form.has_twin_from_zero(),
+            () if curve.is_zero_at_zero => form.is_zero_at_zero,
+            () => !form.is_twin_from_zero(),
         };
         out.extend(FORMS.iter().filter(fits).map(|form| formula(k, effect, curve, form)));
     }

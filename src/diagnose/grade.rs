@@ -62,9 +62,9 @@ pub fn grade(outcome: &Outcome, group: &[ChosenEffect]) -> Option<Grade> {
     let is_curve = study.is_curve(first.effect) || effect.formula.is_some();
     let is_vague =
         is_curve || effect.is_variation() || effect.is_product() || !after.is_determined(study);
-    Some(match is_vague {
-        true => Grade::Curve,
-        false if !outcome.diagnosis.leaves_noise(&study.policy) => Grade::Partial,
-        false => Grade::Established,
+    Some(match outcome.diagnosis.leaves_noise(&study.policy) {
+        false => Grade::Partial,
+        true if is_vague => Grade::Curve,
+        true => Grade::Established,
     })
 }

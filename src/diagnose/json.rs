@@ -9,9 +9,10 @@ use super::catalogue::Effect;
 use super::grade::grade;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::next_experiment::{ConditionValue, Gain, NextExperiment};
-use super::result::{Verdict, law, rmse_of, sentences, unit};
-use super::rivals::{Sensor, rivals};
+use super::result::{Diagnosis, Verdict, law, rmse_of, sentences, unit};
+use super::rivals::{Sensor, difference, rivals};
 use super::run::Outcome;
+use super::separate_starts::SeparateStarts;
 use super::study::Study;
 
 /// The text of the file. `amended_model`: name of the file of the amended model.
@@ -53,9 +54,14 @@ pub fn json(outcome: &Outcome, amended_model: Option<&str>, seconds: f64) -> Str
         ("alternatives", Json::list(alternatives)),
         ("indistinguishable", indistinguishable(outcome)),
         ("sensors", Json::list(outcome.sensors.iter().map(sensor))),
-        ("next", outcome.next.iter().flatten().next().map_or(Json::null(), |n| next(study, n))),
+        ("separate_starts", outcome.starts.as_ref().map_or(Json::null(), separate_starts)),
+        (
+            "next",
+            outcome.next.iter().flatten().next().map_or(Json::null(), |n| next(study, after, n)),
+        ),
         ("before", quality(&study.data, &diagnosis.before)),
         ("after", quality(&study.data, &diagnosis.after)),
+        ("parameters", parameters(study, diagnosis)),
         ("balances", Json::list(outcome.balances.iter().map(balance_json))),
         (
             "fmu",
@@ -71,6 +77,28 @@ pub fn json(outcome: &Outcome, amended_model: Option<&str>, seconds: f64) -> Str
         ("complete", Json::flag(outcome.complete)),
     ];
     Json::object(members).pretty()
+}
+
+/// The free parameters of the plan, in SI units, without effects and with those that were found.
+fn parameters(study: &Study, diagnosis: &Diagnosis) -> Json {
+    let estimate = |hypothesis: &Hypothesis, name: &str| {
+        let Some((value, error)) = hypothesis.estimate(name) else { return Json::null() };
+        Json::object([
+            ("value", Json::number(value)),
+            ("stderr", Json::number(error)),
+            ("at_bound", Json::flag(hypothesis.is_at_bound(name))),
+        ])
+    };
+    let one = |name: &String| {
+        let members = [
+            ("unit", Json::text(study.unit(name))),
+            ("before", estimate(&diagnosis.before, name)),
+            ("after", estimate(&diagnosis.after, name)),
+        ];
+        (name.clone(), Json::object(members))
+    };
+    let names = study.plan.free.iter().filter_map(|free| free.targets.first());
+    Json::object(names.map(one).collect::<Vec<_>>())
 }
 
 /// An effect, its place and its law.
@@ -132,21 +160,22 @@ fn effect_json(
     Json::object(members)
 }
 
-/// The groups of effects of which the data support each as well as the others: at most one, since all compete
-/// with the one that was found.
+/// The groups of effects of which the data support each as well as the others: for each effect that was found and has rivals,
+/// itself and these.
 fn indistinguishable(outcome: &Outcome) -> Json {
     let Outcome { study, diagnosis, .. } = outcome;
+    let after = &diagnosis.after;
     let alike = rivals(study, diagnosis);
-    if alike.is_empty() {
-        return Json::list([]);
-    }
-    let all = std::iter::once(&diagnosis.after).chain(alike).map(|h| last(study, h));
-    Json::list([Json::list(all.collect::<Vec<_>>())])
-}
-
-/// The effect that a hypothesis has added last, and its place.
-fn last(study: &Study, hypothesis: &Hypothesis) -> Json {
-    groups(&hypothesis.effects).last().map_or(Json::null(), |group| named(&study.effects, group))
+    let rivals_of = |own: &[ChosenEffect]| {
+        let compete =
+            |r: &&&Hypothesis| difference(after, r).is_some_and(|mine| mine[0].name == own[0].name);
+        alike.iter().filter(compete).filter_map(|r| difference(r, after)).collect::<Vec<_>>()
+    };
+    let all = groups(&after.effects).map(|own| (own, rivals_of(own)));
+    let contested = all.filter(|(_, rivals)| !rivals.is_empty());
+    Json::list(contested.map(|(own, rivals)| {
+        Json::list(std::iter::once(own).chain(rivals).map(|g| named(&study.effects, g)))
+    }))
 }
 
 fn sensor(sensor: &Sensor) -> Json {
@@ -158,8 +187,16 @@ fn sensor(sensor: &Sensor) -> Json {
     ])
 }
 
+fn separate_starts(starts: &SeparateStarts) -> Json {
+    Json::object([
+        ("states", Json::list(starts.states.iter().map(|s| Json::text(s.as_str())))),
+        ("train", Json::number(starts.train)),
+        ("validation", Json::number(starts.validation)),
+    ])
+}
+
 /// The recording that would tell most.
-fn next(study: &Study, next: &NextExperiment) -> Json {
+fn next(study: &Study, after: &Hypothesis, next: &NextExperiment) -> Json {
     let condition = |c: &ConditionValue| {
         let members = [("value", Json::number(c.value)), ("unit", Json::text(c.unit.as_str()))];
         (c.column.clone(), Json::object(members))
@@ -167,7 +204,8 @@ fn next(study: &Study, next: &NextExperiment) -> Json {
     let gain =
         |g: Gain| [("expected", Json::number(g.best)), ("of_random", Json::number(g.random))];
     let separates = next.separation.map_or(Json::null(), |separation| {
-        let from = Json::list(next.rivals.iter().map(|r| last(study, r)));
+        let of_rival = |r: &Hypothesis| difference(r, after).map(|g| named(&study.effects, g));
+        let from = Json::list(next.rivals.iter().filter_map(of_rival));
         let members = [("from", from)].into_iter().chain(gain(separation));
         Json::object(members.collect::<Vec<_>>())
     });

@@ -6,9 +6,11 @@ use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::next_experiment::{Gain, NextExperiment};
 use super::rivals::{Sensor, rivals};
 use super::run::Outcome;
+use super::separate_starts::SeparateStarts;
 use super::study::Study;
 
-/// Lines about the effects that cannot be told apart, the sensors that would tell them apart and the next experiment.
+/// Lines about the effects that cannot be told apart, the sensors that would tell them apart, starts that differ and the next
+/// experiment.
 pub fn lines(outcome: &Outcome) -> Vec<String> {
     let rivals = rivals(&outcome.study, &outcome.diagnosis);
     let mut out: Vec<String> = rivals
@@ -16,6 +18,7 @@ pub fn lines(outcome: &Outcome) -> Vec<String> {
         .map(|h| format!("the recordings support as well: {}", label(&outcome.study, h)))
         .collect();
     out.extend(outcome.sensors.iter().map(sensor));
+    out.extend(outcome.starts.as_ref().map(starts));
     match &outcome.next {
         None => {}
         Some(None) => out.push(
@@ -27,13 +30,26 @@ pub fn lines(outcome: &Outcome) -> Vec<String> {
     out
 }
 
-fn sensor(sensor: &Sensor) -> String {
+fn starts(starts: &SeparateStarts) -> String {
+    let quoted: Vec<String> = starts.states.iter().map(|s| format!("\"start({s})\"")).collect();
     format!(
-        "a sensor of {} would tell them apart: they differ by up to {} {}, {:.0} % of its range",
+        "the recordings may begin in other states: with {} in [free.each] the model without effects leaves a reduced chi-square of {:.4} (train) and {:.4} (validation)",
+        quoted.join(" and "),
+        starts.train,
+        starts.validation
+    )
+}
+
+fn sensor(sensor: &Sensor) -> String {
+    let difference = format!("{} {}", rmse_shown(sensor.difference), sensor.unit);
+    let share = match sensor.share {
+        share if share > 1.0 => "more than its range".to_owned(),
+        share => format!("{:.0} % of its range", 100.0 * share),
+    };
+    format!(
+        "a sensor of {} would tell them apart: they differ by up to {}, {share}",
         sensor.variable,
-        rmse_shown(sensor.difference),
-        sensor.unit,
-        100.0 * sensor.share
+        difference.trim_end()
     )
 }
 
@@ -64,6 +80,9 @@ fn experiment(study: &Study, next: &NextExperiment) -> Vec<String> {
 /// The effects of a hypothesis and their places.
 pub fn label(study: &Study, hypothesis: &Hypothesis) -> String {
     let one = |group: &[ChosenEffect]| {
+        if let [only] = group {
+            return study.label(only.effect, &only.place);
+        }
         let at: Vec<&str> =
             group.iter().flat_map(|c| c.place.at.iter().map(String::as_str)).collect();
         format!("{} at {}", study.effects[group[0].effect].name(), at.join(", "))

@@ -40,7 +40,7 @@ pub fn html(outcome: &Outcome) -> String {
     }
     page.add(&format!("<p>{}</p>\n", escaped(&conclusion(outcome))));
     for sentence in sentences(&study.effects, &after.effects) {
-        let text = sentence_case(&format!("{}{sentence}", partial(outcome)));
+        let text = format!("{}{sentence}", sentence_case(partial(outcome)));
         page.add(&format!("<p>{}</p>\n", escaped(&text)));
     }
     if study.plan.fmu.is_some() {
@@ -385,7 +385,10 @@ fn errors(study: &Study, diagnosis: &Diagnosis, out: &mut String) {
 fn parameters(study: &Study, diagnosis: &Diagnosis, out: &mut String) {
     let (before, after) = (&diagnosis.before, &diagnosis.after);
     out.push_str("<table><tr><th>parameter</th><th>before</th><th>after</th><th>unit</th></tr>");
-    let cell = |estimate: Option<(f64, f64)>| match estimate {
+    let cell = |hypothesis: &Hypothesis, name: &str| match hypothesis.estimate(name) {
+        Some((value, _)) if hypothesis.is_at_bound(name) => {
+            format!("<td>{value:.4e}, at its bound</td>")
+        }
         Some((value, error)) if error.is_finite() => {
             format!("<td>{} ± {error:.1e}</td>", shown(value, error))
         }
@@ -394,12 +397,12 @@ fn parameters(study: &Study, diagnosis: &Diagnosis, out: &mut String) {
     };
     for target in study.plan.free.iter().filter_map(|f| f.targets.first()) {
         let (name, unit) = (escaped(target), escaped(&pretty(study.unit(target))));
-        let (before, after) = (cell(before.estimate(target)), cell(after.estimate(target)));
+        let (before, after) = (cell(before, target), cell(after, target));
         out.push_str(&format!("<tr><td>{name}</td>{before}{after}<td>{unit}</td></tr>"));
     }
-    for (name, value, error, unit) in estimates(&study.effects, after) {
-        let (name, unit) = (escaped(&name), escaped(&pretty(&unit)));
-        let (before, after) = (cell(None), cell(Some((value, error))));
+    for (full, _, _, unit) in estimates(&study.effects, after) {
+        let (name, unit) = (escaped(&full), escaped(&pretty(&unit)));
+        let (before, after) = (cell(before, &full), cell(after, &full));
         out.push_str(&format!("<tr><td>{name}</td>{before}{after}<td>{unit}</td></tr>"));
     }
     out.push_str("</table>");

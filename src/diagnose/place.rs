@@ -41,6 +41,11 @@ impl Place {
         }
     }
 
+    /// True for two components that nothing bridges.
+    pub fn is_between(&self) -> bool {
+        self.at.len() == 2 && self.connections.len() == 2 && self.others.is_empty()
+    }
+
     /// The single places.
     pub fn members(&self) -> Vec<Place> {
         if self.others.is_empty() {
@@ -57,6 +62,10 @@ impl Place {
 
 /// Largest number of hosts that have an effect together.
 const MAX_HOSTS: usize = 8;
+
+/// Most connection sets of a model in which flows between volumes that nothing bridges are hypotheses: their number grows
+/// with the square.
+const MAX_NODES: usize = 8;
 
 /// Names of classes with one connector whose potential is that of the surroundings.
 const SURROUNDINGS: [&str; 4] = ["Ambient", "Ground", "FixedTemperature", "PrescribedTemperature"];
@@ -194,7 +203,8 @@ fn nodes(end: &InventoryConnector, inventory: &Inventory) -> Vec<Place> {
 
 /// Pairs of connection sets that a component with two connectors like those of the effect bridges, and every
 /// volume with the surroundings; in a circuit, every connection set with ground. If several components bridge a
-/// pair, it is named after the one with most connectors: a seal rather than a line.
+/// pair, it is named after the one with most connectors: a seal rather than a line. In a model with few volumes, also
+/// every two of them that nothing bridges.
 fn pairs(a: &InventoryConnector, b: &InventoryConnector, inventory: &Inventory) -> Vec<Place> {
     type End<'a> = (&'a InventoryPart, &'a InventoryConnector);
     let mut parts: Vec<&InventoryPart> =
@@ -232,6 +242,20 @@ fn pairs(a: &InventoryConnector, b: &InventoryConnector, inventory: &Inventory) 
         for (part, connector) in others {
             if everywhere || alike(part, a).count() == 1 {
                 add(part, (part, connector), surroundings);
+            }
+        }
+    }
+    let is_small = nodes(a, inventory).len() <= MAX_NODES;
+    let is_volume = |p: &InventoryPart| alike(p, a).count() == 1 && !is_surroundings(p);
+    let of_volumes = ends(inventory, a).filter(|(p, _)| is_small && is_volume(p) && !is_element(p));
+    let volumes: Vec<End<'_>> = of_volumes.collect();
+    for (k, x) in volumes.iter().enumerate() {
+        for y in &volumes[k + 1..] {
+            let pair = (x.1.node.min(y.1.node), x.1.node.max(y.1.node));
+            if pair.0 != pair.1 && !known.contains(&pair) {
+                known.push(pair);
+                let at = [x.0.name.clone(), y.0.name.clone()];
+                out.push(Place { at: at.to_vec(), ..attached(x.0, [(a, *x), (b, *y)]) });
             }
         }
     }

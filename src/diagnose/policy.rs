@@ -102,7 +102,7 @@ pub struct SearchPolicy {
     /// without it are not searched for; less than `many_effects_above` must be left as well. Of recordings that were never
     /// fitted, `explained_share` is enough if nothing is left of the others. Default 0.99.
     pub dominant_share: f64,
-    /// Steps of all fits after which no further fit begins. Default 1000; with short recordings, more by the
+    /// Steps of all fits after which no further fit begins. Default 1400; with short recordings, more by the
     /// square of `proposals_if_short`.
     pub max_steps: u64,
     /// An effect whose amplitudes are all within this many standard errors of zero is a candidate for
@@ -239,7 +239,7 @@ impl Default for SearchPolicy {
             fits_of_the_same: 3,
             second_share: 0.7,
             dominant_share: 0.99,
-            max_steps: 1000,
+            max_steps: 1400,
             weak_below: 10.0,
             escaped_share: 0.7,
             short_fit: Stopping { decrease: 1e-3, step: 1e-5, iterations: 10, reach: 1.0 },

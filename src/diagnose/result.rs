@@ -109,7 +109,15 @@ pub fn sentences(effects: &[Effect], chosen: &[ChosenEffect]) -> Vec<String> {
         let at: Vec<&str> =
             group.iter().flat_map(|c| c.place.at.iter().map(String::as_str)).collect();
         let over: Vec<&str> = group[0].place.binds.iter().map(|(_, v)| v.as_str()).collect();
-        let sentence = effects[group[0].effect].explains.replace("%at", &at.join(", "));
+        let explains = &effects[group[0].effect].explains;
+        let sentence = match at.as_slice() {
+            [a, b] if group[0].place.is_between() => {
+                let wall = format!("wall between {a} and {b}");
+                let rest = explains.strip_prefix("%at").map(|rest| format!("The {wall}{rest}"));
+                rest.unwrap_or_else(|| explains.replace("%at", &format!("the {wall}")))
+            }
+            _ => explains.replace("%at", &at.join(", ")),
+        };
         let sentence = sentence.replace("%over", &over.join(" and "));
         let (general, own) =
             (&effects[group[0].effect].law, law(&effects[group[0].effect], &group[0]));

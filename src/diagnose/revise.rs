@@ -29,6 +29,38 @@ pub fn revise(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     swap_effects(search, diagnosis);
 }
 
+/// If a single effect leaves much to explain: another one in its place. The parameters beside a wrong law are closer to the
+/// true ones than those beside none, and so are the trajectories along which the others are scored.
+pub fn select_again(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    for _ in 0..RESELECTIONS {
+        let after = diagnosis.after.clone();
+        let is_single = groups(&after.effects).count() == 1;
+        let is_done = search.leads(&diagnosis.before, &after) || after.is_resolved(search.policy());
+        if !is_single || is_done || !search.may_continue() {
+            return;
+        }
+        let Some(start) = stripped(search, &after) else { return };
+        search.note("another effect in place of the one that leaves much");
+        let ranking = rank_instead(search, &after, &diagnosis.before, &|_, _| true);
+        let proposals = promising(search, &start, &ranking);
+        let fits = CandidateFits {
+            search,
+            from: &start,
+            proposals: &proposals,
+            depth: 0,
+            give_up_above: None,
+        };
+        let mut hypotheses = fits.run();
+        hypotheses.retain(|h| !h.has_same_effects(&after));
+        if !accept_first_better(search, diagnosis, hypotheses) {
+            return;
+        }
+    }
+}
+
+/// Rounds in which another effect takes the place of one that leaves much.
+const RESELECTIONS: usize = 2;
+
 /// Swaps each effect for another beside the rest while that helps.
 pub fn swap_effects(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     for _ in 0..search.policy().swap_rounds {

@@ -19,7 +19,8 @@ pub fn rivals<'d>(study: &Study, diagnosis: &'d Diagnosis) -> Vec<&'d Hypothesis
         let same = |other: &&Hypothesis| other.has_same_effects(rejected);
         let known = after.has_same_effects(rejected) || alike.iter().any(same);
         let is_alike = rejected.total_criterion() < limit;
-        let is_rival = !known && !contains(study, rejected, after);
+        let is_rival =
+            !known && !contains(study, rejected, after) && !is_special_case(study, after, rejected);
         if is_alike && groups(&rejected.effects).count() == number && is_rival && number > 0 {
             alike.push(rejected);
         }
@@ -36,6 +37,48 @@ fn contains(study: &Study, general: &Hypothesis, special: &Hypothesis) -> bool {
             is_same_place(law, other) && (is_curve || law[0].effect == other[0].effect)
         })
     })
+}
+
+/// The effect in which a hypothesis differs from another one; the last, if it differs in several.
+pub fn difference<'h>(
+    hypothesis: &'h Hypothesis,
+    other: &Hypothesis,
+) -> Option<&'h [ChosenEffect]> {
+    let is_same = |a: &[ChosenEffect], b: &[ChosenEffect]| {
+        let same = |(a, b): (&ChosenEffect, &ChosenEffect)| {
+            a.effect == b.effect && a.place.at == b.place.at && a.place.binds == b.place.binds
+        };
+        a.len() == b.len() && a.iter().zip(b).all(same)
+    };
+    let is_shared = |own: &&[ChosenEffect]| groups(&other.effects).any(|o| is_same(own, o));
+    let own: Vec<&[ChosenEffect]> =
+        groups(&hypothesis.effects).filter(|group| !is_shared(group)).collect();
+    match own.as_slice() {
+        [only] => Some(only),
+        _ => groups(&hypothesis.effects).last(),
+    }
+}
+
+/// Multiple of its error below which an amplitude may as well be zero.
+const INSIGNIFICANT: f64 = 2.0;
+
+/// True if the law of the first hypothesis is a special case of that of the second, at the same place: what the second one
+/// has more is zero or not determined, so that both say the same.
+fn is_special_case(study: &Study, special: &Hypothesis, general: &Hypothesis) -> bool {
+    let (Some(law), Some(other)) = (difference(special, general), difference(general, special))
+    else {
+        return false;
+    };
+    let number = |group: &[ChosenEffect]| group.iter().map(|c| c.fitted.len()).sum::<usize>();
+    let is_open = |c: &ChosenEffect| {
+        let amplitudes = &study.effects[c.effect].amplitudes;
+        c.fitted.iter().any(|own| {
+            let Some((value, error)) = general.estimate(&c.full_name(own)) else { return false };
+            let is_amplitude = amplitudes.iter().any(|a| a.name == *own);
+            !error.is_finite() || is_amplitude && value.abs() < INSIGNIFICANT * error
+        })
+    };
+    is_same_place(law, other) && number(other) > number(law) && other.iter().any(is_open)
 }
 
 /// True if two effects act at the same places, over the same variables.
@@ -68,6 +111,9 @@ pub struct Sensor {
 const REPORTED: usize = 3;
 /// Share of the range of a variable below which a difference is not worth a sensor.
 const WORTHWHILE: f64 = 0.01;
+
+/// Relative difference below which two variables differ between the rivals by the same.
+const SAME: f64 = 1e-9;
 
 /// Share of the greatest value with its unit below which a variable is zero but for rounding.
 const ROUNDING: f64 = 1e-9;
@@ -113,6 +159,9 @@ pub fn sensors(study: &Study, diagnosis: &Diagnosis) -> Vec<Sensor> {
     found.retain(|_| is_real.next().unwrap_or(false));
     found.retain(|s| s.share.is_finite() && s.share > WORTHWHILE);
     found.sort_by(|a, b| b.share.total_cmp(&a.share));
+    // Connected variables are one quantity under several names.
+    let near = |a: f64, b: f64| (a - b).abs() <= SAME * b.abs();
+    found.dedup_by(|a, b| near(a.share, b.share) && near(a.difference, b.difference));
     found.truncate(REPORTED);
     found
 }

@@ -26,7 +26,8 @@ use super::policy::SearchPolicy;
 use super::residual::test_sums;
 use super::result::{Diagnosis, Verdict};
 use super::rivals::{Sensor, sensors};
-use super::search::diagnose;
+use super::search::{Search, diagnose};
+use super::separate_starts::{SeparateStarts, separate_starts};
 use super::study::{DiagnosisError, Study};
 use super::surroundings::surround;
 
@@ -68,6 +69,8 @@ pub struct Outcome {
     pub complete: bool,
     /// Variables whose measurement would tell the effects that were found from those that explain as much.
     pub sensors: Vec<Sensor>,
+    /// States whose starts would explain a misfit that is unexplained, if each recording had its own.
+    pub starts: Option<SeparateStarts>,
     /// The recording that would tell most, if it was asked for; `None` within if there is nothing to choose.
     pub next: Option<Option<NextExperiment>>,
 }
@@ -128,6 +131,10 @@ pub fn run(
         observer.event(&Event::Note(&format!("{} balances examined", all.len())));
     }
     let is_explained = diagnosis.verdict(&study.policy) != Verdict::Unexplained;
+    let starts = match complete && !is_explained {
+        true => separate_starts(&Search::new(&study, observer), &diagnosis.before),
+        false => None,
+    };
     let amended = amended(&study, &diagnosis, &original).filter(|_| is_explained);
     let (balances, contributions) = (all, contributed);
     let sensors = if complete { sensors(&study, &diagnosis) } else { Vec::new() };
@@ -141,6 +148,7 @@ pub fn run(
         amended,
         complete,
         sensors,
+        starts,
         next,
     })
 }

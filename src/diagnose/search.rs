@@ -25,7 +25,8 @@ use super::place::Place;
 use super::policy::SearchPolicy;
 use super::rank::Scored;
 use super::result::{Diagnosis, Verdict};
-use super::revise::{compare_alternatives, revise, simplify, swap_effects};
+use super::revise::{compare_alternatives, revise, select_again, simplify, swap_effects};
+use super::sibling_laws::compare_siblings;
 use super::study::{DiagnosisError, Study};
 
 /// A search: its study, its observer and the steps that it has spent.
@@ -202,6 +203,7 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     }
     widen_variation(search, &mut diagnosis);
     refine_law(search, &mut diagnosis);
+    select_again(search, &mut diagnosis);
     // Beside an effect that explains nearly everything, a second one is closer at hand than a pair without it.
     let leads = search.leads(&diagnosis.before, &diagnosis.after);
     if leads {
@@ -233,6 +235,7 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     replace_curves(search, &mut diagnosis);
     eliminate_unsupported(search, &mut diagnosis);
     compare_alternatives(search, &mut diagnosis);
+    compare_siblings(search, &mut diagnosis);
     drop_worthless(search, &mut diagnosis);
     diagnosis
 }

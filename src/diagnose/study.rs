@@ -135,7 +135,15 @@ impl Study {
 
     /// An effect and its place, for messages.
     pub fn label(&self, effect: usize, place: &Place) -> String {
-        format!("{} at {}", self.effects[effect].name(), place.at.join(", "))
+        let (effect, at) = (&self.effects[effect], place.at.join(", "));
+        let over: Vec<&str> = match effect.has_free_inputs() {
+            true => place.binds.iter().map(|(_, variable)| variable.as_str()).collect(),
+            false => Vec::new(),
+        };
+        match over.is_empty() {
+            true => format!("{} at {at}", effect.name()),
+            false => format!("{} at {at} over {}", effect.name(), over.join(", ")),
+        }
     }
 
     /// All places for an effect in the model that a plan fits.

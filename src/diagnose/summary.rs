@@ -2,6 +2,7 @@
 
 use crate::calibrate::table::{rmse_shown, shown};
 
+use super::fixed_value::{CorrectedValue, corrected_value};
 use super::grade::{Grade, grade};
 use super::hypothesis::groups;
 use super::next_text::lines;
@@ -25,11 +26,25 @@ pub fn summary(outcome: &Outcome, seconds: f64) -> String {
             out.push_str(&format!("    {}\n", grade.meaning()));
         }
     }
+    for corrected in after.effects.iter().filter_map(|c| corrected_value(study, after, c)) {
+        let CorrectedValue { parameter, in_model, value, error } = corrected;
+        let unit = study.unit(&parameter);
+        let line = format!("    {parameter} = {} ± {error:.1e} {unit}", shown(value, error));
+        out.push_str(&format!("{}, {in_model} in the model\n", line.trim_end()));
+    }
+    let is_value = |name: &str| {
+        let own = after.effects.iter().find(|c| c.fitted.iter().any(|p| c.full_name(p) == name));
+        own.is_some_and(|c| study.effects[c.effect].is_other_value())
+    };
     for (name, value, error, unit) in estimates(&study.effects, after) {
+        if is_value(&name) {
+            continue;
+        }
         let error_shown = match error.is_finite() {
             true => format!(" ± {error:.1e}"),
             false => String::new(),
         };
+        let unit = if unit == "1" { "" } else { &unit };
         let line = format!("    {name} = {}{error_shown} {unit}", shown(value, error));
         let remark = match (after.is_at_bound(&name), error.is_finite()) {
             (true, _) => ", at its bound",
@@ -37,6 +52,11 @@ pub fn summary(outcome: &Outcome, seconds: f64) -> String {
             (false, true) => "",
         };
         out.push_str(&format!("{}{remark}\n", line.trim_end()));
+    }
+    for (name, value) in at_bounds(outcome) {
+        let unit = study.unit(name);
+        let line = format!("  the fit has left {name} at its bound: {value} {unit}");
+        out.push_str(&format!("{}\n", line.trim_end()));
     }
     if study.plan.fmu.is_some() {
         out.push_str(&format!("  {INSIDE}\n"));
@@ -57,6 +77,12 @@ pub fn summary(outcome: &Outcome, seconds: f64) -> String {
             out.push_str(&format!("    {label:<19} {before:>9} {after:>10} {unit}\n"));
         }
     }
+    if outcome.verdict() == Verdict::Complete {
+        let limit = study.policy.validation_limit(after.validation.count());
+        if after.chi2_validation() > limit {
+            out.push_str("  the recordings that were never fitted are described worse\n");
+        }
+    }
     for line in noise_lines(outcome) {
         out.push_str(&format!("  {line}\n"));
     }
@@ -68,6 +94,14 @@ pub fn summary(outcome: &Outcome, seconds: f64) -> String {
     }
     out.push_str(&format!("  {seconds:.1} s\n"));
     out
+}
+
+/// The free parameters of the plan that the best fit has pushed against their bounds, with their values in SI units.
+fn at_bounds(outcome: &Outcome) -> Vec<(&str, f64)> {
+    let after = &outcome.diagnosis.after;
+    let names = outcome.study.plan.free.iter().filter_map(|free| free.targets.first());
+    let at_bound = names.filter(|name| after.is_at_bound(name));
+    at_bound.filter_map(|name| Some((name.as_str(), after.estimate(name)?.0))).collect()
 }
 
 /// Remark on a result of a search that was ended early.

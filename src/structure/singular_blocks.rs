@@ -9,7 +9,7 @@
 use super::error::{self, Consequence};
 use super::parameter_values::ParameterValues;
 use super::solve;
-use crate::base::diag::Problems;
+use crate::base::diag::{Diagnostic, Problems};
 use crate::base::index::{FastMap, FastSet};
 use crate::ir::blocks::{Block, Source, Torn};
 use crate::ir::builtin::Shape;
@@ -25,6 +25,8 @@ const MAX_ORDER: usize = 150;
 const MAX_ORDER_AT_POINTS: usize = 40;
 /// Points at which equations are compared: a dependence at all of them is one in general.
 const POINTS: usize = 3;
+/// Parameters whose values a message names.
+const NAMED_PARAMETERS: usize = 4;
 /// Sums below this fraction of their terms are zero.
 const NEGLIGIBLE: f64 = 1e-9;
 
@@ -56,7 +58,12 @@ pub fn report(dae: &mut Dae, blocks: &[Block], problems: &mut Problems) -> Vec<V
         } else {
             Consequence::None
         };
-        problems.push(error::dependent_block(check.dae, &singular.sources, &free, consequence));
+        let mut problem = error::dependent_block(check.dae, &singular.sources, &free, consequence);
+        if let ([source], [unknown]) = (singular.sources.as_slice(), singular.members.as_slice()) {
+            let parameters = check.parameters_of_coefficient(*source, *unknown);
+            problem = parameters.into_iter().fold(problem, Diagnostic::note);
+        }
+        problems.push(problem);
         if consequence == Consequence::None {
             harmless.extend(free);
         }
@@ -153,6 +160,23 @@ impl SingularityCheck<'_> {
         }
         let null_space = NullSpace::of(&matrix);
         (!null_space.right.is_empty()).then_some(SingularBlock { members, sources, null_space })
+    }
+
+    /// The values of the parameters in the coefficient of an unknown, as sentences.
+    fn parameters_of_coefficient(&mut self, source: Source, unknown: VarId) -> Vec<String> {
+        let residual = solve::residual(self.dae, source);
+        let graph = &mut self.dae.graph;
+        let partials =
+            gradient(graph, residual, |leaf| matches!(leaf, Leaf::Var(v) if v == unknown));
+        let mut read: Vec<VarId> =
+            partials.into_iter().flat_map(|(_, partial)| graph.variables(partial)).collect();
+        read.sort_unstable();
+        read.dedup();
+        let sentence = |v: VarId| {
+            let value = self.values.literal(&self.dae.graph, v)?;
+            Some(format!("`{}` is {value}", self.dae.variables[v].name))
+        };
+        read.into_iter().filter_map(sentence).take(NAMED_PARAMETERS).collect()
     }
 
     /// True if the equations have no solution for general values of everything else.

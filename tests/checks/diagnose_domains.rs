@@ -237,6 +237,58 @@ fn a_heat_loss_is_found_at_an_element_of_an_array() {
     assert_found(&found, &scratch, "Effects.HeatLoss", "plate[2]", &values);
 }
 
+/// A vessel whose equations lose no heat: `12000 der(T_2) = ... - 6 (T_2 - 288)`.
+#[test]
+fn a_heat_loss_is_found_as_a_term_of_an_equation() {
+    let study = Study {
+        model: "kettle",
+        truth: "kettle_truth",
+        conditions: &[("P", &[200.0, 400.0, 600.0, 300.0])],
+        signals: &[("T_1", "K", 0.05), ("T_2", "K", 0.05)],
+        free: &["C_1", "C_2", "G"],
+        inputs: &[],
+    };
+    let (found, scratch) = study.diagnose();
+    let values = [("a", 6.0 / 12000.0, 1e-5), ("x_0", 288.0, 0.5)];
+    assert_found(&found, &scratch, "Effects.ExchangeTerm", "der(T_2)", &values);
+}
+
+/// Every recording starts elsewhere, which no effect explains: the summary and the file name the state.
+#[test]
+fn starts_that_differ_between_recordings_are_named() {
+    let study = Study {
+        model: "bath",
+        truth: "bath_truth",
+        conditions: &[("T_0", &[302.0, 290.0, 311.0, 297.0])],
+        signals: &[("T", "K", 0.05)],
+        free: &["C", "G"],
+        inputs: &[],
+    };
+    let (found, _scratch) = study.diagnose();
+    assert_eq!(found["verdict"], "unexplained", "{}", found["effects"]);
+    let starts = &found["separate_starts"];
+    assert_eq!(starts["states"], serde_json::json!(["T"]), "{starts}");
+    assert!(starts["validation"].as_f64() < Some(1.3), "{starts}");
+}
+
+/// A conductor of 0.35 W/K between two bodies that nothing else connects.
+#[test]
+fn a_strap_between_distant_bodies_is_found() {
+    let study = Study {
+        model: "row",
+        truth: "row_truth",
+        conditions: &[("P", &[10.0, 20.0, 30.0, 15.0])],
+        signals: &[("body_1.T", "K", 0.05), ("body_2.T", "K", 0.05), ("body_3.T", "K", 0.05)],
+        free: &["joint_1.G", "joint_2.G", "foot.G"],
+        inputs: &[],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "Effects.HeatLeak", "body_1", &[("G", 0.35, 5e-3)]);
+    assert_eq!(found["effects"][0]["at"], serde_json::json!(["body_1", "body_3"]));
+    let sentence = "Heat leaks past the wall between body_1 and body_3.";
+    assert_eq!(found["effects"][0]["explains"], sentence);
+}
+
 /// A store behind a conductance of 0.3 W/K: it warms with 60/0.3 s. It is found where the heater meets the plate.
 #[test]
 fn a_second_heat_store_is_found() {

@@ -901,6 +901,17 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(w) = effect.term"));
     end PeriodicTerm;
 
+    model ExchangeTerm
+      extends Check;
+      Real T(start = 500, fixed = true, unit = "K");
+      Effects.ExchangeTerm effect(a = 2, x_0 = 300, x = T);
+    equation
+      der(T) = 0;
+      found = {T};
+      exact = {300 + 200*exp(-2*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(T) = effect.term"));
+    end ExchangeTerm;
+
     model RadiationTerm
       extends Check;
       Real T(start = 500, fixed = true, unit = "K");
@@ -2170,6 +2181,12 @@ package EffectTests
       Effects.FreeTerm effect(x = s, x_hi = 3.5e-3);
       annotation(__mocc(adds = "der(observed) = effect.term"));
     end FreeTerm;
+
+    model ExchangeTerm
+      extends Equation;
+      Effects.ExchangeTerm effect(x = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end ExchangeTerm;
 
     model RadiationTerm
       extends Equation(observed(unit = "K"));

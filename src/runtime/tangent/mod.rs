@@ -8,12 +8,13 @@
 
 use crate::ir::expr::{Binary, Unary};
 use crate::ir::program::{CallSite, Instr, Layout, Op, Slot, Tape};
-use crate::numeric::linear::DenseLu;
 use crate::symbolic::partial;
 
+mod factors;
 pub mod forcing;
 pub mod outputs;
 
+use self::factors::Factors;
 use super::frame::Frames;
 use super::input_signals::{DelayedSlots, InputSignals};
 use super::machine::{Fault, JUMP_LIMIT, Machine, compute};
@@ -205,15 +206,13 @@ impl Tangents {
         for e in &torn_block.jacobian {
             matrix[e.row as usize + n * e.column as usize] = machine.get(e.slot);
         }
-        let mut lu = DenseLu::new(n);
-        let factored = lu.factor(&matrix);
-        factored.map_err(|s| Fault::Singular { torn_block: k, unknown: s.column })?;
+        let mut factors = Factors::of(n, &matrix, k)?;
         let mut column = vec![0.0; n];
         for direction in 0..self.directions {
             for (c, slot) in column.iter_mut().zip(&torn_block.residuals) {
                 *c = -self.of(*slot)[direction];
             }
-            lu.solve_in_place(&mut column);
+            factors.solve_in_place(&mut column);
             for (c, slot) in column.iter().zip(&torn_block.slots) {
                 self.of_mut(*slot)[direction] = *c;
             }
@@ -229,10 +228,7 @@ impl Tangents {
         for e in &derivative.jacobian {
             matrix[e.row as usize + n * e.column as usize] = machine.get(e.slot);
         }
-        let mut lu = DenseLu::new(n);
-        let torn_block = derivative.torn_block as usize;
-        let factored = lu.factor(&matrix);
-        factored.map_err(|s| Fault::Singular { torn_block, unknown: s.column })?;
+        let mut factors = Factors::of(n, &matrix, derivative.torn_block as usize)?;
         let mut columns = vec![0.0; derivative.results.len()];
         for direction in 0..self.directions {
             columns.fill(0.0);
@@ -244,7 +240,7 @@ impl Tangents {
                     let z = machine.get(derivative.results[seed * n + e.column as usize]);
                     column[e.row as usize] -= self.of(e.slot)[direction] * z;
                 }
-                lu.solve_in_place(column);
+                factors.solve_in_place(column);
             }
             for (slot, value) in derivative.results.iter().zip(&columns) {
                 self.of_mut(*slot)[direction] = *value;

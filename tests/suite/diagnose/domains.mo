@@ -493,3 +493,84 @@ equation
   der(v) = -0.2*v - 0.3*v*abs(v);
   annotation(experiment(StopTime = 4, Interval = 0.02));
 end Truth;
+
+//@ case kettle
+//@ used by diagnose_domains.rs
+model Kettle "Vessel in a mantle, as equations, without losses"
+  parameter Real P = 400;
+  parameter Real C_1(unit = "J/K") = 2000 "Mantle";
+  parameter Real C_2(unit = "J/K") = 12000 "Vessel";
+  parameter Real G(unit = "W/K") = 30;
+  Real T_1(unit = "K", start = 295, fixed = true);
+  Real T_2(unit = "K", start = 295, fixed = true);
+equation
+  C_1*der(T_1) = (if time < 600 then P else 0) - G*(T_1 - T_2);
+  C_2*der(T_2) = G*(T_1 - T_2);
+  annotation(experiment(StopTime = 1500, Interval = 10));
+end Kettle;
+
+//@ case kettle_truth
+//@ used by diagnose_domains.rs
+model Truth "The vessel loses heat to a room at 288 K"
+  parameter Real P = 400;
+  Real T_1(unit = "K", start = 295, fixed = true);
+  Real T_2(unit = "K", start = 295, fixed = true);
+equation
+  2100*der(T_1) = (if time < 600 then P else 0) - 28*(T_1 - T_2);
+  12000*der(T_2) = 28*(T_1 - T_2) - 6*(T_2 - 288);
+  annotation(experiment(StopTime = 1500, Interval = 10));
+end Truth;
+
+//@ case row
+//@ used by diagnose_domains.rs
+model Row "Three bodies in a row on a base"
+  parameter Real P = 20;
+  Thermal.HeatSource heater(Q_flow = if time < 400 then P else 0);
+  Thermal.HeatCapacity body_1(C = 200);
+  Thermal.HeatCapacity body_2(C = 300);
+  Thermal.HeatCapacity body_3(C = 250);
+  Thermal.Conductance joint_1(G = 1);
+  Thermal.Conductance joint_2(G = 1);
+  Thermal.Conductance foot(G = 0.4);
+  Thermal.Ambient base(T = 293.15);
+equation
+  connect(heater.port, body_1.port);
+  connect(body_1.port, joint_1.port_a);
+  connect(joint_1.port_b, body_2.port);
+  connect(body_2.port, joint_2.port_a);
+  connect(joint_2.port_b, body_3.port);
+  connect(body_3.port, foot.port_a);
+  connect(foot.port_b, base.port);
+  annotation(experiment(StopTime = 1000, Interval = 5));
+end Row;
+
+//@ case row_truth
+//@ used by diagnose_domains.rs
+model Truth "A strap leads from the first body to the third"
+  extends Row;
+  Thermal.Conductance strap(G = 0.35);
+equation
+  connect(body_1.port, strap.port_a);
+  connect(strap.port_b, body_3.port);
+  annotation(experiment(StopTime = 1000, Interval = 5));
+end Truth;
+
+//@ case bath
+//@ used by diagnose_domains.rs
+model Bath "Heated bath that starts at the temperature of the room"
+  parameter Real T_0 = 294;
+  parameter Real P = 100;
+  parameter Real C(unit = "J/K") = 8000;
+  parameter Real G(unit = "W/K") = 5;
+  Real T(unit = "K", start = 294, fixed = true);
+equation
+  C*der(T) = P*(1 + sin(time/200)) - G*(T - 294);
+  annotation(experiment(StopTime = 3000, Interval = 30));
+end Bath;
+
+//@ case bath_truth
+//@ used by diagnose_domains.rs
+model Truth "Each recording starts elsewhere"
+  extends Bath(C = 8600, G = 4.6, T(start = T_0));
+  annotation(experiment(StopTime = 3000, Interval = 30));
+end Truth;

@@ -1,0 +1,106 @@
+//! Other laws at the place of a law that was found, beside the rest.
+//!
+//! The first of several effects is chosen while the others are missing. A law with more freedom then wins because it takes a
+//! share of them: a porous leak in place of a laminar one, friction with a peak in place of plain friction. Once nothing is
+//! left to explain, the laws at the same place are compared again, none of them with more parameters.
+
+use super::backward_elimination::without;
+use super::candidate_fit::CandidateFits;
+use super::hypothesis::{ChosenEffect, Hypothesis, groups};
+use super::place::Place;
+use super::rank::{Scored, rank_instead};
+use super::result::Diagnosis;
+use super::revise::{accept_instead, not_fitted};
+use super::search::Search;
+use super::study::Study;
+
+/// Other laws at a place that are fitted.
+const SIBLINGS: usize = 3;
+
+/// Replaces each law that was found by another one at its place that the recordings support more, with as many parameters
+/// or fewer. The others are rivals, if the recordings support them as well.
+pub fn compare_siblings(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    let number = groups(&diagnosis.after.effects).count();
+    for k in 0..number {
+        let is_explained = diagnosis.after.explains_training(search.policy());
+        if !is_explained || !search.may_continue() {
+            return;
+        }
+        let mut siblings = siblings(search, diagnosis, k);
+        siblings.sort_by(|a, b| a.total_criterion().total_cmp(&b.total_criterion()));
+        let limit = diagnosis.after.total_criterion();
+        let is_better =
+            |h: &Hypothesis| h.total_criterion() < limit && h.is_determined(search.study);
+        let better = siblings.iter().position(is_better).map(|k| siblings.remove(k));
+        diagnosis.rejected.extend(siblings);
+        if let Some(better) = better {
+            search.note("another law at the same place explains as much");
+            accept_instead(search, diagnosis, better);
+            // Effects that it made needless are gone.
+            if groups(&diagnosis.after.effects).count() != number {
+                return;
+            }
+        }
+    }
+}
+
+/// Hypotheses with another law in the place of effect `k`.
+fn siblings(search: &Search<'_>, diagnosis: &Diagnosis, k: usize) -> Vec<Hypothesis> {
+    let (study, after) = (search.study, &diagnosis.after);
+    let own = match groups(&after.effects).nth(k) {
+        Some([own]) if is_law(study, own.effect) => own.clone(),
+        _ => return Vec::new(),
+    };
+    let rest = without(study, after, std::slice::from_ref(&own.name), &mut |p| not_fitted(p));
+    let Some(rest) = rest else { return Vec::new() };
+    let is_sibling = |effect: usize, place: &Place| {
+        effect != own.effect
+            && is_law(study, effect)
+            && is_at(place, &own.place)
+            && parameters(study, effect) <= parameters(study, own.effect)
+            && !is_known(diagnosis, &own, effect)
+    };
+    let ranking = rank_instead(search, after, &rest, &is_sibling);
+    let proposals: Vec<Vec<Scored>> = ranking.into_iter().take(SIBLINGS).map(|s| vec![s]).collect();
+    let (depth, give_up_above) = (groups(&rest.effects).count(), None);
+    let fits = CandidateFits { search, from: &rest, proposals: &proposals, depth, give_up_above };
+    let most = after.train.total() + search.policy().evidence;
+    let (mut near, distant): (Vec<_>, Vec<_>) =
+        fits.short_fits().into_iter().partition(|h| h.train.total() < most);
+    fits.fit_fully(&mut near);
+    near.extend(distant);
+    near
+}
+
+/// True for a law with a name of its own that is no choice of the model, no start and no value.
+fn is_law(study: &Study, effect: usize) -> bool {
+    let own = &study.effects[effect];
+    study.is_named(effect) && own.choice.is_none() && own.starts.is_none() && own.formula.is_none()
+}
+
+/// True for the same place, and no variables but those of the other.
+fn is_at(place: &Place, own: &Place) -> bool {
+    let of_own = |name: &String| own.binds.iter().any(|(_, v)| v == name);
+    place.at == own.at
+        && place.signal == own.signal
+        && place.connections == own.connections
+        && place.binds.iter().all(|(_, name)| of_own(name))
+}
+
+fn parameters(study: &Study, effect: usize) -> usize {
+    let own = &study.effects[effect];
+    own.amplitudes.len() + own.shape_parameters.len()
+}
+
+/// True if the hypothesis with another law in the place of `own` was fitted to its end.
+fn is_known(diagnosis: &Diagnosis, own: &ChosenEffect, effect: usize) -> bool {
+    let after = &diagnosis.after.effects;
+    let is_same = |h: &&Hypothesis| {
+        h.effects.len() == after.len()
+            && after.iter().all(|c| {
+                let wanted = if c.name == own.name { effect } else { c.effect };
+                h.effects.iter().any(|o| o.effect == wanted && o.place.at == c.place.at)
+            })
+    };
+    diagnosis.rejected.iter().find(is_same).is_some_and(|h| h.is_complete_fit)
+}
