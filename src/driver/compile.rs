@@ -195,6 +195,7 @@ impl Session {
         }
         // The FMUs of components remove their folders when they are dropped.
         if self.is_last && cx.objects.is_empty() {
+            std::mem::take(&mut cx.class_graph.instances).leak_elements();
             std::mem::forget(cx);
         }
         self.times.push(("flatten", begun.elapsed()));

@@ -39,6 +39,10 @@ define_id! {
     /// An interned list of arguments.
     pub struct ListId
 }
+define_id! {
+    /// A format of numbers as strings.
+    pub struct FormId
+}
 
 /// The scalar types.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
@@ -84,7 +88,7 @@ macro_rules! define_unary {
             /// The value on a transport line at the position that the operand gives.
             Carried(Carried),
             /// `String(x)` in this form.
-            Text(Form),
+            Text(FormId),
         }
 
         impl Unary {
@@ -225,6 +229,9 @@ pub enum Node {
     Recorded(VarId, u32),
 }
 
+/// Large models have tens of millions of nodes.
+const _: () = assert!(size_of::<(Node, Type)>() == 32);
+
 /// An enumeration type.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Enumeration {
@@ -240,8 +247,8 @@ pub const FIRST_SYMBOL: u32 = 1 << 30;
 /// The expression graph.
 #[derive(Clone, Default)]
 pub struct Graph {
-    nodes: IndexVec<ExprId, Node>,
-    types: IndexVec<ExprId, Type>,
+    /// The nodes with their types, which are looked up together.
+    nodes: IndexVec<ExprId, (Node, Type)>,
     table: HashTable<ExprId>,
     /// The nodes of variables, by number. Most look-ups are for variables, so these bypass the hash
     /// table.
@@ -250,6 +257,8 @@ pub struct Graph {
     list_table: FastMap<Box<[ExprId]>, ListId>,
     /// The enumeration types of the model.
     pub enumerations: IndexVec<EnumId, Enumeration>,
+    /// The formats of `String(...)`, all different.
+    pub forms: IndexVec<FormId, Form>,
     externals: Arc<Externals>,
 }
 
@@ -283,16 +292,22 @@ impl Graph {
         Some(self.add_external(derivative))
     }
 
+    /// The id of a format, which is added unless an equal one exists.
+    pub fn add_form(&mut self, form: Form) -> FormId {
+        let known = self.forms.enumerate().find(|(_, other)| **other == form).map(|(id, _)| id);
+        known.unwrap_or_else(|| self.forms.push(form))
+    }
+
     /// The node of an id.
     #[inline]
     pub fn node(&self, e: ExprId) -> Node {
-        self.nodes[e]
+        self.nodes[e].0
     }
 
     /// The type of an expression.
     #[inline]
     pub fn ty(&self, e: ExprId) -> Type {
-        self.types[e]
+        self.nodes[e].1
     }
 
     /// Number of nodes.
@@ -328,15 +343,15 @@ impl Graph {
     /// Interns a node exactly as given, without simplification.
     pub fn intern(&mut self, node: Node, ty: Type) -> ExprId {
         let hasher = rustc_hash::FxBuildHasher;
-        let hash = hasher.hash_one((node, ty));
-        let (nodes, types) = (&self.nodes, &self.types);
-        if let Some(id) = self.table.find(hash, |id| nodes[*id] == node && types[*id] == ty) {
+        let typed = (node, ty);
+        let hash = hasher.hash_one(typed);
+        let nodes = &self.nodes;
+        if let Some(id) = self.table.find(hash, |id| nodes[*id] == typed) {
             return *id;
         }
-        let id = self.nodes.push(node);
-        self.types.push(ty);
-        let (nodes, types) = (&self.nodes, &self.types);
-        self.table.insert_unique(hash, id, |id| hasher.hash_one((nodes[*id], types[*id])));
+        let id = self.nodes.push(typed);
+        let nodes = &self.nodes;
+        self.table.insert_unique(hash, id, |id| hasher.hash_one(nodes[*id]));
         id
     }
 
@@ -376,7 +391,7 @@ impl Graph {
     pub fn var(&mut self, v: VarId, ty: Type) -> ExprId {
         let at = v.0 as usize;
         match self.variables.get(at) {
-            Some(Some(known)) if self.types[*known] == ty => return *known,
+            Some(Some(known)) if self.nodes[*known].1 == ty => return *known,
             // In a function its number may stand for a local of another type.
             Some(Some(_)) => return self.intern(Node::Var(v), ty),
             _ if v.0 >= FIRST_SYMBOL => return self.intern(Node::Var(v), ty),
@@ -385,8 +400,7 @@ impl Graph {
         if self.variables.len() <= at {
             self.variables.resize(at + 1, None);
         }
-        let e = self.nodes.push(Node::Var(v));
-        self.types.push(ty);
+        let e = self.nodes.push((Node::Var(v), ty));
         self.variables[at] = Some(e);
         e
     }
@@ -406,7 +420,7 @@ impl Graph {
 
     /// The literal, if the expression is one.
     pub fn as_const(&self, e: ExprId) -> Option<Const> {
-        match self.nodes[e] {
+        match self.node(e) {
             Node::Const(c) => Some(c),
             _ => None,
         }
