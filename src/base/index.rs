@@ -61,6 +61,10 @@ impl<I: Id, T> IndexVec<I, T> {
         self.raw.push(value);
         id
     }
+    /// Removes the last element.
+    pub fn pop(&mut self) {
+        self.raw.pop();
+    }
     /// The id that the next `push` returns.
     pub fn next_id(&self) -> I {
         I::from_usize(self.raw.len())

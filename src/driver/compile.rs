@@ -296,7 +296,7 @@ impl Session {
     /// The program of a request.
     pub fn compile(&mut self, request: &Request) -> Result<Program, CompileError> {
         let mut flat = self.flatten(request)?;
-        self.compare_units(&flat, request);
+        self.compare_units(&mut flat, request);
         self.adopt_names(&mut flat);
         self.drive(&mut flat, &request.recorded)?;
         self.compile_differentiated(flat, request.form, &request.differentiated)

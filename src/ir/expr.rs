@@ -10,7 +10,7 @@ use hashbrown::HashTable;
 use std::hash::{BuildHasher, Hash};
 use std::sync::Arc;
 
-use crate::base::index::{FastMap, IndexVec};
+use crate::base::index::{FastMap, Id, IndexVec};
 use crate::base::name::{self, Name};
 use crate::define_id;
 use crate::external::External;
@@ -353,6 +353,27 @@ impl Graph {
         let nodes = &self.nodes;
         self.table.insert_unique(hash, id, |id| hasher.hash_one(nodes[*id]));
         id
+    }
+
+    /// Removes all nodes but the first `len`, to which no other refers.
+    pub fn truncate(&mut self, len: usize) {
+        let hasher = rustc_hash::FxBuildHasher;
+        while self.nodes.len() > len {
+            let last = ExprId::from_usize(self.nodes.len() - 1);
+            let typed = self.nodes[last];
+            match typed.0 {
+                Node::Var(v) if self.known_variable(v) == Some(last) => {
+                    self.variables[v.idx()] = None;
+                }
+                _ => {
+                    let hash = hasher.hash_one(typed);
+                    if let Ok(entry) = self.table.find_entry(hash, |id| *id == last) {
+                        entry.remove();
+                    }
+                }
+            }
+            self.nodes.pop();
+        }
     }
 
     /// A literal.
