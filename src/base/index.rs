@@ -211,3 +211,26 @@ impl<I: Id, T: std::fmt::Debug> std::fmt::Debug for IndexVec<I, T> {
         self.raw.fmt(f)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    crate::define_id! {
+        struct Number
+    }
+
+    #[test]
+    fn a_map_holds_what_was_inserted_last() {
+        let mut map: IdMap<Number, &str> =
+            [(Number(4), "four"), (Number(1), "one")].into_iter().collect();
+        map.insert(Number(4), "vier");
+        map.remove(Number(1));
+        map.remove(Number(9));
+        let all: Vec<_> = (0..6).filter_map(|k| map.get(Number(k))).collect();
+        assert_eq!(all, [&"vier"]);
+        assert!(map.contains(Number(4)) && !map.contains(Number(1)) && !map.contains(Number(9)));
+        *map.get_mut(Number(4)).unwrap() = "4";
+        assert_eq!(map.get(Number(4)), Some(&"4"));
+    }
+}

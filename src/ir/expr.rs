@@ -548,3 +548,34 @@ impl Binary {
         self.facts().is_some_and(|row| row.syntax == Syntax::Relation)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_truncated_graph_is_as_it_was() {
+        let mut graph = Graph::new();
+        let (x, y) = (VarId(0), VarId(1));
+        let a = graph.var(x, Type::Real);
+        let kept = graph.intern(Node::Unary(Unary::Neg, a), Type::Real);
+        let len = graph.len();
+        let b = graph.var(y, Type::Real);
+        let sum = graph.intern(Node::Binary(Binary::Add, a, b), Type::Real);
+        graph.truncate(len);
+        assert_eq!((graph.len(), graph.known_variable(y)), (len, None));
+        assert_eq!(graph.var(x, Type::Real), a);
+        assert_eq!(graph.intern(Node::Unary(Unary::Neg, a), Type::Real), kept);
+        assert_eq!(graph.var(y, Type::Real), b);
+        assert_eq!(graph.intern(Node::Binary(Binary::Add, a, b), Type::Real), sum);
+    }
+
+    #[test]
+    fn equal_formats_have_one_id() {
+        let mut graph = Graph::new();
+        let wide = Form { width: 8, ..Form::default() };
+        let ids = [Form::default(), wide, Form::default()].map(|form| graph.add_form(form));
+        assert_eq!(ids[0], ids[2]);
+        assert_eq!(graph.forms[ids[1]], wide);
+    }
+}
