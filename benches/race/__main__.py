@@ -1,4 +1,4 @@
-"""A race: the same texts in mocc, in rumoca and, where `omc` is found, in OpenModelica.
+"""A race: the same sources in mocc, in rumoca and, where `omc` is found, in OpenModelica.
 
     python3 benches/race --mocc target/release/mocc --lib MSL
 
@@ -7,7 +7,7 @@ comes from PyPI into a virtual environment, which is made once, beside the resul
 
 Each cell is the processor time of the fastest of several rounds, in s. It counts only if the result agrees with
 mocc's; a tool that does not get there has the reason instead, and the reasons in full follow the table. mocc and
-OpenModelica are timed as whole processes that write their rows to a file; rumoca from the text to the arrays in memory,
+OpenModelica are timed as whole processes that write their rows to a file; rumoca from the source to the arrays in memory,
 without the start of Python, and without reading the libraries where that is the faster way.
 """
 

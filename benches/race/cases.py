@@ -1,4 +1,4 @@
-"""The texts of the race."""
+"""The models of the race."""
 
 import dataclasses
 import pathlib

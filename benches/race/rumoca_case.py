@@ -1,6 +1,6 @@
 """Runs a case in rumoca, within its virtual environment: `python rumoca_case.py CASE.json`.
 
-Prints, as JSON, the processor time, s, from the text to the result, and the points; or why there is none. The time is
+Prints, as JSON, the processor time, s, from the source to the result, and the points; or why there is none. The time is
 the shorter one of that with an empty session and that with one which has read the libraries.
 """
 
