@@ -309,6 +309,9 @@ impl Files {
         let units = other_units(options, columns)?;
         Stream::new(columns, &column_storage(program)[..columns.len()], output, units, kept)
             .map(|stream| stream.with_printout(printout))
+            .map(
+                |stream| if options.show.is_none() { stream.for_default_picture() } else { stream },
+            )
             .map_err(|e| e.to_string())
     }
 

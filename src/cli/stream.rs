@@ -46,6 +46,10 @@ pub struct Stream {
     trouble: Option<TableError>,
     progress: Option<Progress>,
     kept: Vec<usize>,
+    /// Nobody has named the curves: see [`Stream::narrow`].
+    may_narrow: bool,
+    /// Rows that will come.
+    expected: usize,
     /// Columns of the file that are written in other units.
     units: Vec<OtherUnit>,
     /// Files that the model itself writes.
@@ -86,12 +90,27 @@ impl Stream {
         units.iter().for_each(|u| columns[u.column].display_unit.clone_from(&u.unit));
         let trajectory = Trajectory::new(kept.iter().map(|&k| columns[k].clone()).collect());
         let printout = Printout::default();
-        Ok(Stream { output, trouble: None, progress: None, kept, units, printout, trajectory })
+        Ok(Stream {
+            output,
+            trouble: None,
+            progress: None,
+            kept,
+            may_narrow: false,
+            expected: 0,
+            units,
+            printout,
+            trajectory,
+        })
     }
 
     /// With the bounds of what the model may write; without them it writes no file.
     pub fn with_printout(self, printout: Printout) -> Self {
         Stream { printout, ..self }
+    }
+
+    /// For a picture whose curves nobody has named.
+    pub fn for_default_picture(self) -> Self {
+        Stream { may_narrow: true, ..self }
     }
 
     /// Shows how far the run has come, until [`Stream::hide`].
@@ -116,6 +135,24 @@ impl Stream {
         };
         results.finish(end)?;
         Ok(Some(path))
+    }
+
+    /// Forgets the columns of components as soon as a variable of the model itself has moved: a picture whose curves
+    /// nobody has named shows no others then.
+    fn narrow(&mut self) {
+        let Trajectory { columns, data, .. } = &mut self.trajectory;
+        let is_own: Vec<bool> = columns.iter().map(|c| !c.name.contains('.')).collect();
+        let moves = |(values, is_own): (&Arc<Vec<f64>>, &bool)| {
+            *is_own && values.iter().any(|x| *x != values[0])
+        };
+        if !data.iter().zip(&is_own).any(moves) {
+            return;
+        }
+        self.may_narrow = false;
+        retain_marked(columns, &is_own);
+        retain_marked(data, &is_own);
+        retain_marked(&mut self.kept, &is_own);
+        self.trajectory.reserve(self.expected.saturating_sub(self.trajectory.rows()));
     }
 
     /// Rows in the units of the file, if these are not SI.
@@ -156,7 +193,10 @@ impl Sink for Stream {
     fn begin(&mut self, _: Vec<Column>) {}
 
     fn expect(&mut self, rows: usize) {
-        self.trajectory.reserve(rows);
+        self.expected = rows;
+        if !self.may_narrow {
+            self.trajectory.reserve(rows);
+        }
     }
 
     fn constants(&mut self, constants: Vec<Constant>) {
@@ -182,6 +222,9 @@ impl Sink for Stream {
         for (column, &k) in self.trajectory.data.iter_mut().zip(&self.kept) {
             let values = (0..times.len()).map(|row| values[row * width + k]);
             Arc::make_mut(column).extend(values);
+        }
+        if self.may_narrow {
+            self.narrow();
         }
     }
 
@@ -211,6 +254,12 @@ impl Sink for Stream {
     }
 }
 
+/// Removes the elements that are not marked.
+fn retain_marked<T>(all: &mut Vec<T>, marks: &[bool]) {
+    let mut marks = marks.iter();
+    all.retain(|_| marks.next().is_some_and(|mark| *mark));
+}
+
 /// Columns of which a picture may be made by itself: those of the model before those of its
 /// components, in order of declaration.
 pub fn drawable(columns: &[Column]) -> Vec<usize> {
@@ -238,6 +287,20 @@ mod tests {
         assert_eq!(kept.len(), MOST_KEPT);
         assert_eq!(kept.last(), Some(&MOST_KEPT));
         assert_eq!(kept[MOST_KEPT - 2], MOST_KEPT - 2);
+    }
+
+    #[test]
+    fn components_are_forgotten_when_the_model_itself_moves() {
+        let columns = [Column::new("a", ""), Column::new("part.b", "")];
+        let stream = Stream::new(&columns, &[], None, Vec::new(), vec![0, 1]).unwrap();
+        let mut stream = stream.for_default_picture();
+        stream.rows(&[0.0, 0.5], &[1.0, 2.0, 1.0, 3.0]);
+        assert_eq!(stream.trajectory.values("part.b"), Some(&[2.0, 3.0][..]));
+        stream.row(0.75, &[1.5, 4.0]);
+        stream.row(1.0, &[1.0, 5.0]);
+        assert_eq!(stream.trajectory.values("a"), Some(&[1.0, 1.0, 1.5, 1.0][..]));
+        assert_eq!(stream.trajectory.values("part.b"), None);
+        assert_eq!(stream.trajectory.verify(), Ok(()));
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //! level and memoized, so equal expressions are computed once for all layers above.
 
 use crate::base::diag::Problems;
-use crate::base::index::{FastMap, FastSet, Id};
+use crate::base::index::{FastMap, FastSet, Id, IdMap};
 use crate::base::source::Span;
 use crate::ir::dae::{Dae, VariableKind};
 use crate::ir::expr::{Binary, ExprId, FunctionId, ListId, Node, Type, Unary, VarId};
@@ -37,6 +37,20 @@ pub struct Layer {
     defined_calls: Vec<CallKey>,
 }
 
+/// Where the value of an expression is, and from which layer on.
+#[derive(Clone, Copy)]
+struct Place {
+    slot: Slot,
+    level: u16,
+}
+
+impl Place {
+    fn new(slot: Slot, level: Level) -> Place {
+        // A block within a block is a layer: there are never thousands.
+        Place { slot, level: level as u16 }
+    }
+}
+
 /// The state of a compilation.
 pub struct Emitter {
     /// The system; its graph grows with derivatives.
@@ -48,7 +62,7 @@ pub struct Emitter {
     /// Level of each variable, auxiliary ones included; `None` before it is computed.
     pub levels: Vec<Option<Level>>,
     /// Variables defined by an expression: eliminated ones, and auxiliary names of calls.
-    pub substitutions: FastMap<VarId, ExprId>,
+    pub substitutions: IdMap<VarId, ExprId>,
     /// Slots of `pre(v)`.
     pub pre_slots: FastMap<VarId, Slot>,
     /// Slot of the start value of a variable.
@@ -73,7 +87,7 @@ pub struct Emitter {
     /// Source position of the equation being compiled.
     pub span: Span,
     literals: FastMap<u64, Slot>,
-    values: FastMap<ExprId, (Slot, Level)>,
+    values: IdMap<ExprId, Place>,
     call_results: FastMap<CallKey, (Slot, Level)>,
     /// Conditions under which calls are needed.
     sink_conditions: FastMap<CallKey, ExprId>,
@@ -109,7 +123,7 @@ impl Emitter {
             problems: Problems::new(),
             span: Span::NONE,
             literals: FastMap::default(),
-            values: FastMap::default(),
+            values: IdMap::default(),
             call_results: FastMap::default(),
             sink_conditions,
             expensive_functions,
@@ -177,7 +191,7 @@ impl Emitter {
     pub fn invalidate_top(&mut self) {
         if let Some(layer) = self.layers.last_mut() {
             for e in layer.defined.drain(..) {
-                self.values.remove(&e);
+                self.values.remove(e);
             }
             for call in layer.defined_calls.drain(..) {
                 self.call_results.remove(&call);
@@ -189,8 +203,8 @@ impl Emitter {
     pub fn pop_merge(&mut self, target: Level) -> Tape {
         let Some(layer) = self.layers.pop() else { return Tape::default() };
         for e in &layer.defined {
-            if let Some(k) = self.values.get_mut(e) {
-                k.1 = target;
+            if let Some(place) = self.values.get_mut(*e) {
+                *place = Place::new(place.slot, target);
             }
         }
         for call in &layer.defined_calls {
@@ -230,7 +244,7 @@ impl Emitter {
             stack.push((e, true));
             let first = stack.len();
             match self.dae.graph.node(e) {
-                Node::Var(v) => stack.extend(self.substitutions.get(&v).map(|r| (*r, false))),
+                Node::Var(v) => stack.extend(self.substitutions.get(v).map(|r| (*r, false))),
                 // The simplified expression only serves initialization by continuation.
                 Node::Homotopy(actual, _) => stack.push((actual, false)),
                 _ => self.dae.graph.for_each_operand(e, |a| stack.push((a, false))),
@@ -260,7 +274,7 @@ impl Emitter {
             _ => false,
         };
         if is_new && own && level == layer && self.retarget(layer, slot, dst) {
-            self.values.insert(value, (dst, level));
+            self.values.insert(value, Place::new(dst, level));
         } else {
             self.push(layer, Op::Copy, dst, slot, slot);
         }
@@ -287,7 +301,7 @@ impl Emitter {
 
     /// Records that the value of `e` is in `slot` from layer `level` on.
     pub fn memoize(&mut self, e: ExprId, slot: Slot, level: Level) {
-        self.values.insert(e, (slot, level));
+        self.values.insert(e, Place::new(slot, level));
         self.layers[level].defined.push(e);
     }
 
@@ -302,7 +316,7 @@ impl Emitter {
         match self.dae.graph.node(e) {
             Node::Const(c) => Some((self.literal(c.register()), PARAMETER)),
             Node::Time => Some((self.layout.time, self.continuous_level)),
-            Node::Var(v) if !self.substitutions.contains_key(&v) => Some(self.variable(v)),
+            Node::Var(v) if !self.substitutions.contains(v) => Some(self.variable(v)),
             Node::Pre(v) => Some((self.pre_slot(v), DISCRETE)),
             Node::Initial => Some((self.layout.initial, DISCRETE)),
             Node::Terminal => {
@@ -311,7 +325,7 @@ impl Emitter {
             }
             Node::Relation(k) => Some((self.layout.relations + k, DISCRETE)),
             Node::Recorded(v, order) => Some((self.recorded(v, order), self.continuous_level)),
-            _ => self.values.get(&e).copied(),
+            _ => self.values.get(e).map(|place| (place.slot, Level::from(place.level))),
         }
     }
 
@@ -384,7 +398,7 @@ impl Emitter {
                 self.alias(e, found);
             }
             Node::Var(v) => {
-                let found = self.substitutions.get(&v).copied().map(|r| self.operand(r));
+                let found = self.substitutions.get(v).copied().map(|r| self.operand(r));
                 self.alias(e, found.unwrap_or((0, PARAMETER)));
             }
             Node::Call { function, output, args } => {
@@ -468,7 +482,7 @@ impl Emitter {
                 Node::Pre(_) | Node::Initial | Node::Terminal | Node::Relation(_) => {
                     level = level.max(DISCRETE);
                 }
-                Node::Var(v) => match self.substitutions.get(&v) {
+                Node::Var(v) => match self.substitutions.get(v) {
                     Some(r) => pending.push(*r),
                     None if skip(v) => {}
                     None => level = level.max(self.levels[v.idx()].unwrap_or(DISCRETE)),
@@ -487,7 +501,7 @@ impl Emitter {
         let mut found = Vec::new();
         graph.descend(roots.iter().copied(), |e, pending| {
             if let Node::Var(v) = graph.node(e) {
-                match self.substitutions.get(&v) {
+                match self.substitutions.get(v) {
                     Some(r) => pending.push(*r),
                     None => found.push(v),
                 }

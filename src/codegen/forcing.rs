@@ -72,7 +72,7 @@ fn reads_left_limits(e: &Emitter, values: &[ExprId]) -> bool {
     let mut found = false;
     graph.descend(values.iter().copied(), |node, pending| {
         match graph.node(node) {
-            Node::Var(v) => pending.extend(e.substitutions.get(&v)),
+            Node::Var(v) => pending.extend(e.substitutions.get(v)),
             Node::Pre(_) => found |= graph.ty(node) == Type::Real,
             _ => {}
         }

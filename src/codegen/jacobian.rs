@@ -81,7 +81,7 @@ impl Rows {
     fn depends(&mut self, e: &mut Emitter, value: ExprId) -> bool {
         let mut any = false;
         for v in e.dae.graph.variables(value) {
-            if let (Some(&r), None) = (e.substitutions.get(&v), self.variables.get(&v)) {
+            if let (Some(&r), None) = (e.substitutions.get(v), self.variables.get(&v)) {
                 let row = self.of(e, r);
                 self.set(v, row);
             }

@@ -1,6 +1,6 @@
 //! Compiles the sequences of blocks to tapes.
 
-use crate::base::index::{FastMap, Id};
+use crate::base::index::{FastMap, Id, IdMap};
 use crate::ir::blocks::Block;
 use crate::ir::dae::{Dae, Delay, Trigger, VariableKind};
 use crate::ir::expr::{ExprId, Node, Type, Unary, VarId};
@@ -228,7 +228,7 @@ pub fn continuous(e: &mut Emitter, blocks: &SortedBlocks, by: &[VarId]) -> Conti
         compile_block(e, block, BlockPosition { sequence: Sequence::Continuous, index: i });
     }
     for state in &blocks.states {
-        if let Some(&value) = e.substitutions.get(&state.derivative) {
+        if let Some(&value) = e.substitutions.get(state.derivative) {
             let slot = e.slot(state.derivative);
             e.emit_to(slot, value);
         }
@@ -337,18 +337,18 @@ fn monitored_expressions(dae: &Dae) -> Vec<ExprId> {
 
 /// Dependencies between the blocks of a sequence.
 pub struct Dependencies {
-    producer: FastMap<VarId, usize>,
+    producer: IdMap<VarId, u32>,
     reads: Vec<Vec<VarId>>,
 }
 
 impl Dependencies {
     /// Analyses a sequence.
     pub fn new(e: &Emitter, blocks: &[Block]) -> Self {
-        let mut producer = FastMap::default();
+        let mut producer = IdMap::default();
         let mut reads = Vec::new();
         for (i, block) in blocks.iter().enumerate() {
             let (unknowns, values) = (block.unknowns(), block.expressions());
-            producer.extend(unknowns.into_iter().map(|v| (v, i)));
+            unknowns.into_iter().for_each(|v| producer.insert(v, i as u32));
             reads.push(e.reads(&values));
         }
         Dependencies { producer, reads }
@@ -359,11 +359,9 @@ impl Dependencies {
         let mut needed = vec![false; self.reads.len()];
         let mut pending = e.reads(roots);
         while let Some(v) = pending.pop() {
-            if let Some(&i) = self.producer.get(&v)
-                && !needed[i]
-            {
-                needed[i] = true;
-                pending.extend(&self.reads[i]);
+            let Some(&i) = self.producer.get(v) else { continue };
+            if !std::mem::replace(&mut needed[i as usize], true) {
+                pending.extend(&self.reads[i as usize]);
             }
         }
         needed
@@ -372,7 +370,9 @@ impl Dependencies {
     /// Earliest position at which `roots` can be evaluated: one past the last block that they read
     /// directly; 0 if none.
     fn earliest_position(&self, e: &Emitter, roots: &[ExprId]) -> usize {
-        e.reads(roots).iter().filter_map(|v| self.producer.get(v)).map(|i| i + 1).max().unwrap_or(0)
+        let reads = e.reads(roots);
+        let producers = reads.iter().filter_map(|v| self.producer.get(*v));
+        producers.map(|i| *i as usize + 1).max().unwrap_or(0)
     }
 }
 

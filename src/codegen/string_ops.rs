@@ -10,7 +10,7 @@ use crate::ir::expr::{Binary, Graph, Type, Unary};
 pub fn unary(graph: &mut Graph, op: Unary, ty: Type) -> Unary {
     match op {
         Unary::Text(form) => {
-            let format = FormatNumber { form, is_integer: ty != Type::Real };
+            let format = FormatNumber { form: graph.forms[form], is_integer: ty != Type::Real };
             Unary::External(graph.add_external(Arc::new(format)))
         }
         op => op,

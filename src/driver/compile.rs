@@ -195,6 +195,7 @@ impl Session {
         }
         // The FMUs of components remove their folders when they are dropped.
         if self.is_last && cx.objects.is_empty() {
+            std::mem::take(&mut cx.class_graph.instances).leak_elements();
             std::mem::forget(cx);
         }
         self.times.push(("flatten", begun.elapsed()));
@@ -295,7 +296,7 @@ impl Session {
     /// The program of a request.
     pub fn compile(&mut self, request: &Request) -> Result<Program, CompileError> {
         let mut flat = self.flatten(request)?;
-        self.compare_units(&flat, request);
+        self.compare_units(&mut flat, request);
         self.adopt_names(&mut flat);
         self.drive(&mut flat, &request.recorded)?;
         self.compile_differentiated(flat, request.form, &request.differentiated)

@@ -38,7 +38,7 @@ impl Session {
         has_slopes: bool,
     ) -> Result<(Program, Plan), CompileError> {
         let mut read = Measures::default();
-        let flat = self.flatten_by(
+        let mut flat = self.flatten_by(
             request,
             |cx, class, settings| {
                 read = Measures::read(measures, cx.class_graph.sources, cx.class_graph.problems);
@@ -62,7 +62,7 @@ impl Session {
             },
             |flat| flat,
         )?;
-        self.compare_units(&flat, request);
+        self.compare_units(&mut flat, request);
         extended::check(&flat, &read, &mut self.problems);
         self.checked(CompileError::Request)?;
         let mut program =

@@ -9,13 +9,15 @@ use crate::ir::flat::FlatModel;
 impl Session {
     /// Warns of units that do not match in the sources that the user has named. Those of libraries
     /// are the business of `mocc check`.
-    pub(super) fn compare_units(&mut self, flat: &FlatModel, request: &Request) {
+    pub(super) fn compare_units(&mut self, flat: &mut FlatModel, request: &Request) {
         if !request.check_units {
             return;
         }
         let mut found = Problems::new();
         // The check adds nodes to the graph, and results must not depend on it.
-        crate::units::check(&mut flat.clone(), &mut found);
+        let nodes = flat.graph.len();
+        crate::units::check(flat, &mut found);
+        flat.graph.truncate(nodes);
         for d in found.iter() {
             let file = self.sources.get(d.primary.0.file).map(|f| f.path.as_path());
             let is_own = file.is_some_and(|path| {

@@ -82,6 +82,7 @@ impl Evaluator<'_> {
             Some(Const::Integer(i)) if real => self.graph.real(i as f64),
             _ => e,
         };
+        let form = self.graph.add_form(form);
         Some(Value::Scalar(self.graph.unary(Unary::Text(form), e)))
     }
 

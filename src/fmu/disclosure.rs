@@ -83,6 +83,7 @@ impl<'a> Copier<'a> {
     fn new(from: &'a Graph) -> Self {
         let mut graph = Graph::new();
         graph.enumerations = from.enumerations.clone();
+        graph.forms = from.forms.clone();
         for function in from.externals().all() {
             graph.add_external(function.clone());
         }

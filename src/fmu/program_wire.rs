@@ -13,8 +13,8 @@ use crate::ir::dae::{
     Dae, EqId, GuardedAssert, Relation, Sample, Stated, Terminate, Trigger, Variable, VariableKind,
 };
 use crate::ir::expr::{
-    Binary, Carried, Const, EnumId, Enumeration, ExprId, Form, FunctionId, Graph, ListId, Node,
-    Type, Unary, VarId,
+    Binary, Carried, Const, EnumId, Enumeration, ExprId, Form, FormId, FunctionId, Graph, ListId,
+    Node, Type, Unary, VarId,
 };
 use crate::ir::external::ExternalId;
 use crate::ir::flat::{Assert, AssertionLevel, Experiment, Origin, StateSelect};
@@ -37,7 +37,7 @@ macro_rules! wire_id {
         })*
     };
 }
-wire_id!(VarId, ExprId, EqId, EnumId, FunctionId, ExternalId, ListId);
+wire_id!(VarId, ExprId, EqId, EnumId, FormId, FunctionId, ExternalId, ListId);
 
 impl Wire for Name {
     fn write(&self, out: &mut Vec<u8>) {
@@ -95,7 +95,7 @@ impl Wire for Unary {
         Ok(match usize::read(from)? {
             0 => Unary::External(Wire::read(from)?),
             1 => Unary::Carried(Wire::read(from)?),
-            2 => Unary::Text(Form::read(from)?),
+            2 => Unary::Text(Wire::read(from)?),
             at => *at.checked_sub(CARRYING).and_then(|k| Unary::TABLE.get(k)).ok_or(Damaged)?,
         })
     }
@@ -243,6 +243,7 @@ impl Wire for Node {
 impl Wire for Graph {
     fn write(&self, out: &mut Vec<u8>) {
         self.enumerations.as_slice().to_vec().write(out);
+        self.forms.as_slice().to_vec().write(out);
         let externals = self.externals().all();
         externals.len().write(out);
         for function in externals {
@@ -258,6 +259,9 @@ impl Wire for Graph {
         for enumeration in Vec::<Enumeration>::read(from)? {
             graph.enumerations.push(enumeration);
         }
+        for form in Vec::<Form>::read(from)? {
+            graph.forms.push(form);
+        }
         for k in 0..usize::read(from)? {
             if graph.add_external(transfer::read(from)?).idx() != k {
                 return Err(Damaged);
@@ -267,6 +271,7 @@ impl Wire for Graph {
             let (node, ty): (Node, Type) = Wire::read(from)?;
             let known = |e: ExprId| e.idx() < k;
             let is_sound = match node {
+                Node::Unary(Unary::Text(form), _) if form.idx() >= graph.forms.len() => false,
                 Node::Unary(_, a) => known(a),
                 Node::Binary(_, a, b) => known(a) && known(b),
                 Node::If(c, a, b) => known(c) && known(a) && known(b),

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::atomic_file::{AtomicFile, WriteError};
 use super::results::ResultWriter;
-use crate::ir::trajectory::{Column, Kind, Trajectory};
+use crate::ir::trajectory::{Column, ColumnStorage, Kind, Trajectory};
 
 /// Why a table was not written.
 #[derive(Error, Debug)]
@@ -66,6 +66,8 @@ pub struct TableWriter<W: Write> {
     names: Vec<String>,
     /// True for columns of Booleans and Integers.
     whole: Vec<bool>,
+    /// For each column, one before it that it probably equals up to the sign, or itself.
+    twins: Vec<usize>,
     /// The current row and the previous one.
     row: Row,
     before: Row,
@@ -83,6 +85,9 @@ struct Row {
 
 /// Maximum length of an f64 (`-2.2250738585072014e-308`) with its comma.
 const MAX_NUMBER_LENGTH: usize = 25;
+
+/// The bit of a negative number.
+const SIGN: u64 = 1 << 63;
 
 impl<W: Write> TableWriter<W> {
     /// Writes the header `time,NAME,...` and allocates one row.
@@ -107,9 +112,19 @@ impl<W: Write> TableWriter<W> {
                 .chain(columns.iter().map(|c| c.name.clone()))
                 .collect(),
             whole: std::iter::once(false).chain(columns.iter().map(|c| whole(c.kind))).collect(),
+            twins: (0..width).collect(),
             row: row(),
             before: row(),
         })
+    }
+    /// Of columns of which some probably equal others: their numbers are copied as text.
+    pub fn with_storage(mut self, storage: &[ColumnStorage]) -> Self {
+        for (twin, storage) in self.twins[1..].iter_mut().zip(storage) {
+            if let ColumnStorage::Alias { of, .. } = storage {
+                *twin = of + 1;
+            }
+        }
+        self
     }
     /// Writes one row; `values` in the order of the columns. A rejected row writes nothing.
     pub fn row(&mut self, time: f64, values: &[f64]) -> Result<(), TableError> {
@@ -164,8 +179,22 @@ impl<W: Write> TableWriter<W> {
             if !value.is_finite() {
                 return Err(TableError::NotFinite { name: self.names[i].clone(), value, time });
             }
-            push_number(text, value, self.whole[i]);
-            text.push(b',');
+            let twin = self.twins[i];
+            let is_same_kind = twin < i && self.whole[i] == self.whole[twin];
+            let differing = bits[twin] ^ changed;
+            if is_same_kind && (differing == 0 || (differing == SIGN && !self.whole[i])) {
+                let start = if twin == 0 { 0 } else { ends[twin - 1] };
+                let is_negative = text[start] == b'-';
+                if differing != 0 && !is_negative {
+                    text.push(b'-');
+                }
+                text.extend_from_within(
+                    start + usize::from(differing != 0 && is_negative)..ends[twin],
+                );
+            } else {
+                push_number(text, value, self.whole[i]);
+                text.push(b',');
+            }
             ends[i] = text.len();
             i += 1;
         }
@@ -587,6 +616,30 @@ mod tests {
             .collect();
         let written = text(&columns, &rows).unwrap();
         assert_eq!(written, format!("time,x0,x1,x2,x3,x4\n{}", expected));
+    }
+
+    #[test]
+    fn copies_of_other_columns_are_written_like_them() {
+        let mut columns: Vec<Column> =
+            ["x", "same", "negative", "other"].map(|name| Column::new(name, "")).into();
+        let of = |negated| ColumnStorage::Alias { of: 0, negated };
+        let storage = [ColumnStorage::Own, of(false), of(true), of(false)];
+        let rows: [[f64; 4]; 4] = [
+            [0.1, 0.1, -0.1, 7.0],
+            [-1e300, -1e300, 1e300, 7.0],
+            [-0.0, -0.0, 0.0, -0.0],
+            [3.0, 3.0, -3.0, -3.0],
+        ];
+        let written = |columns: &[Column], storage: &[ColumnStorage]| {
+            let mut table = TableWriter::new(Vec::new(), columns).unwrap().with_storage(storage);
+            for (k, row) in rows.iter().enumerate() {
+                table.row(k as f64, row).unwrap();
+            }
+            String::from_utf8(table.finish().unwrap()).unwrap()
+        };
+        assert_eq!(written(&columns, &storage), written(&columns, &[]));
+        columns.iter_mut().take(3).for_each(|c| c.kind = Kind::Integer);
+        assert_eq!(written(&columns, &storage), written(&columns, &[]));
     }
 
     #[test]

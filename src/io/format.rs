@@ -36,7 +36,10 @@ pub static FORMATS: [Format; 3] = [
     // A text table, RFC 4180.
     Format {
         extension: "csv",
-        results: |file, header| Ok(Box::new(TableWriter::new(file, header.columns)?)),
+        results: |file, header| {
+            let table = TableWriter::new(file, header.columns)?;
+            Ok(Box::new(table.with_storage(header.column_storage)))
+        },
         records: Some(|file, fields| Ok(Box::new(CsvRecords::new(file, fields)?))),
         read: |path, _| read_csv(path).map_err(|e| e.to_string()),
     },

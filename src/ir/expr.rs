@@ -10,7 +10,7 @@ use hashbrown::HashTable;
 use std::hash::{BuildHasher, Hash};
 use std::sync::Arc;
 
-use crate::base::index::{FastMap, IndexVec};
+use crate::base::index::{FastMap, Id, IndexVec};
 use crate::base::name::{self, Name};
 use crate::define_id;
 use crate::external::External;
@@ -38,6 +38,10 @@ define_id! {
 define_id! {
     /// An interned list of arguments.
     pub struct ListId
+}
+define_id! {
+    /// A format of numbers as strings.
+    pub struct FormId
 }
 
 /// The scalar types.
@@ -84,7 +88,7 @@ macro_rules! define_unary {
             /// The value on a transport line at the position that the operand gives.
             Carried(Carried),
             /// `String(x)` in this form.
-            Text(Form),
+            Text(FormId),
         }
 
         impl Unary {
@@ -225,6 +229,9 @@ pub enum Node {
     Recorded(VarId, u32),
 }
 
+/// Large models have tens of millions of nodes.
+const _: () = assert!(size_of::<(Node, Type)>() == 32);
+
 /// An enumeration type.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Enumeration {
@@ -240,8 +247,8 @@ pub const FIRST_SYMBOL: u32 = 1 << 30;
 /// The expression graph.
 #[derive(Clone, Default)]
 pub struct Graph {
-    nodes: IndexVec<ExprId, Node>,
-    types: IndexVec<ExprId, Type>,
+    /// The nodes with their types, which are looked up together.
+    nodes: IndexVec<ExprId, (Node, Type)>,
     table: HashTable<ExprId>,
     /// The nodes of variables, by number. Most look-ups are for variables, so these bypass the hash
     /// table.
@@ -250,6 +257,8 @@ pub struct Graph {
     list_table: FastMap<Box<[ExprId]>, ListId>,
     /// The enumeration types of the model.
     pub enumerations: IndexVec<EnumId, Enumeration>,
+    /// The formats of `String(...)`, all different.
+    pub forms: IndexVec<FormId, Form>,
     externals: Arc<Externals>,
 }
 
@@ -283,16 +292,22 @@ impl Graph {
         Some(self.add_external(derivative))
     }
 
+    /// The id of a format, which is added unless an equal one exists.
+    pub fn add_form(&mut self, form: Form) -> FormId {
+        let known = self.forms.enumerate().find(|(_, other)| **other == form).map(|(id, _)| id);
+        known.unwrap_or_else(|| self.forms.push(form))
+    }
+
     /// The node of an id.
     #[inline]
     pub fn node(&self, e: ExprId) -> Node {
-        self.nodes[e]
+        self.nodes[e].0
     }
 
     /// The type of an expression.
     #[inline]
     pub fn ty(&self, e: ExprId) -> Type {
-        self.types[e]
+        self.nodes[e].1
     }
 
     /// Number of nodes.
@@ -328,16 +343,37 @@ impl Graph {
     /// Interns a node exactly as given, without simplification.
     pub fn intern(&mut self, node: Node, ty: Type) -> ExprId {
         let hasher = rustc_hash::FxBuildHasher;
-        let hash = hasher.hash_one((node, ty));
-        let (nodes, types) = (&self.nodes, &self.types);
-        if let Some(id) = self.table.find(hash, |id| nodes[*id] == node && types[*id] == ty) {
+        let typed = (node, ty);
+        let hash = hasher.hash_one(typed);
+        let nodes = &self.nodes;
+        if let Some(id) = self.table.find(hash, |id| nodes[*id] == typed) {
             return *id;
         }
-        let id = self.nodes.push(node);
-        self.types.push(ty);
-        let (nodes, types) = (&self.nodes, &self.types);
-        self.table.insert_unique(hash, id, |id| hasher.hash_one((nodes[*id], types[*id])));
+        let id = self.nodes.push(typed);
+        let nodes = &self.nodes;
+        self.table.insert_unique(hash, id, |id| hasher.hash_one(nodes[*id]));
         id
+    }
+
+    /// Removes all nodes but the first `len`, to which no other refers.
+    pub fn truncate(&mut self, len: usize) {
+        let hasher = rustc_hash::FxBuildHasher;
+        while self.nodes.len() > len {
+            let last = ExprId::from_usize(self.nodes.len() - 1);
+            let typed = self.nodes[last];
+            match typed.0 {
+                Node::Var(v) if self.known_variable(v) == Some(last) => {
+                    self.variables[v.idx()] = None;
+                }
+                _ => {
+                    let hash = hasher.hash_one(typed);
+                    if let Ok(entry) = self.table.find_entry(hash, |id| *id == last) {
+                        entry.remove();
+                    }
+                }
+            }
+            self.nodes.pop();
+        }
     }
 
     /// A literal.
@@ -376,7 +412,7 @@ impl Graph {
     pub fn var(&mut self, v: VarId, ty: Type) -> ExprId {
         let at = v.0 as usize;
         match self.variables.get(at) {
-            Some(Some(known)) if self.types[*known] == ty => return *known,
+            Some(Some(known)) if self.nodes[*known].1 == ty => return *known,
             // In a function its number may stand for a local of another type.
             Some(Some(_)) => return self.intern(Node::Var(v), ty),
             _ if v.0 >= FIRST_SYMBOL => return self.intern(Node::Var(v), ty),
@@ -385,8 +421,7 @@ impl Graph {
         if self.variables.len() <= at {
             self.variables.resize(at + 1, None);
         }
-        let e = self.nodes.push(Node::Var(v));
-        self.types.push(ty);
+        let e = self.nodes.push((Node::Var(v), ty));
         self.variables[at] = Some(e);
         e
     }
@@ -406,7 +441,7 @@ impl Graph {
 
     /// The literal, if the expression is one.
     pub fn as_const(&self, e: ExprId) -> Option<Const> {
-        match self.nodes[e] {
+        match self.node(e) {
             Node::Const(c) => Some(c),
             _ => None,
         }
@@ -511,5 +546,36 @@ impl Binary {
     /// True for `<`, `<=`, `>`, `>=`, `==`, `<>`.
     pub fn is_relation(self) -> bool {
         self.facts().is_some_and(|row| row.syntax == Syntax::Relation)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_truncated_graph_is_as_it_was() {
+        let mut graph = Graph::new();
+        let (x, y) = (VarId(0), VarId(1));
+        let a = graph.var(x, Type::Real);
+        let kept = graph.intern(Node::Unary(Unary::Neg, a), Type::Real);
+        let len = graph.len();
+        let b = graph.var(y, Type::Real);
+        let sum = graph.intern(Node::Binary(Binary::Add, a, b), Type::Real);
+        graph.truncate(len);
+        assert_eq!((graph.len(), graph.known_variable(y)), (len, None));
+        assert_eq!(graph.var(x, Type::Real), a);
+        assert_eq!(graph.intern(Node::Unary(Unary::Neg, a), Type::Real), kept);
+        assert_eq!(graph.var(y, Type::Real), b);
+        assert_eq!(graph.intern(Node::Binary(Binary::Add, a, b), Type::Real), sum);
+    }
+
+    #[test]
+    fn equal_formats_have_one_id() {
+        let mut graph = Graph::new();
+        let wide = Form { width: 8, ..Form::default() };
+        let ids = [Form::default(), wide, Form::default()].map(|form| graph.add_form(form));
+        assert_eq!(ids[0], ids[2]);
+        assert_eq!(graph.forms[ids[1]], wide);
     }
 }

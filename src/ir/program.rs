@@ -82,6 +82,9 @@ pub struct Instr {
     pub b: Slot,
 }
 
+/// Large models have tens of millions of instructions.
+const _: () = assert!(size_of::<Instr>() == 24);
+
 /// A sequence of instructions; dereferences to them.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Tape {

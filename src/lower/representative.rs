@@ -48,6 +48,7 @@ pub fn choose(
         }
     }
     members.sort_by_key(|(root, member)| (*root, member.variable));
+    variables.reserve_exact(differentiated.len());
     let replacement = IndexVec::filled(Replacement::Kept, variables.len());
     let mut choice =
         RepresentativeChoice { graph, variables, problems, written_under_der, replacement };

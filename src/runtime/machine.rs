@@ -341,8 +341,16 @@ impl<'p> Machine<'p> {
     }
 
     fn interpret<const CLAMP: bool>(&mut self, tape: &'p [Instr]) -> Result<(), Fault> {
-        for i in tape {
+        let mut rest = tape;
+        if !CLAMP {
+            rest = compute_first(&mut self.memory, rest, self.program.externals());
+        }
+        while let Some((i, next)) = rest.split_first() {
             self.execute::<CLAMP>(i)?;
+            rest = match CLAMP {
+                true => next,
+                false => compute_first(&mut self.memory, next, self.program.externals()),
+            };
         }
         Ok(())
     }
@@ -560,6 +568,35 @@ impl<'p> Machine<'p> {
             }
         }
     }
+}
+
+/// Executes the instructions before the first that needs the machine, and returns the others. Most of the time of an
+/// interpreted run passes here: an instruction is one jump.
+fn compute_first<'a>(memory: &mut [f64], tape: &'a [Instr], externals: &Externals) -> &'a [Instr] {
+    for (k, i) in tape.iter().enumerate() {
+        // The number of a block or a call need not be that of a slot.
+        let (Some(&a), Some(&b)) = (memory.get(i.a as usize), memory.get(i.b as usize)) else {
+            return &tape[k..];
+        };
+        memory[i.dst as usize] = match i.op {
+            Op::Copy => a,
+            Op::CopyIf if a == 0.0 => continue,
+            Op::CopyIf => b,
+            Op::Add => a + b,
+            Op::Sub => a - b,
+            Op::Mul => a * b,
+            Op::Div => a / b,
+            Op::Neg => -a,
+            Op::Unary(Unary::Carried(_)) => return &tape[k..],
+            Op::Unary(op) => eval::unary_inlined(op, a, externals),
+            Op::Binary(op) => eval::binary_inlined(op, a, b, externals),
+            Op::Input if b.is_nan() => a,
+            Op::Input => b,
+            Op::Solve | Op::Differentiate | Op::Iterate | Op::Call => return &tape[k..],
+            Op::Jump | Op::JumpUnless | Op::Assert => return &tape[k..],
+        };
+    }
+    &[]
 }
 
 /// Executes an instruction without control flow or calls.

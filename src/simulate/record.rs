@@ -118,6 +118,20 @@ pub struct Recorder {
 /// Values per cache line.
 const LINE: usize = 8;
 
+/// Copies the values in these slots; true if all are finite.
+fn copy<'a>(
+    places: impl Iterator<Item = &'a mut f64>,
+    slots: &[(VarId, Slot)],
+    memory: &[f64],
+) -> bool {
+    let mut is_fine = true;
+    for (place, (_, slot)) in places.zip(slots) {
+        *place = memory[*slot as usize];
+        is_fine &= place.is_finite();
+    }
+    is_fine
+}
+
 /// Number of rows in a block with this many columns.
 fn rows_of_block(columns: usize) -> usize {
     (BLOCK_VALUES / columns.max(1)).clamp(1, BLOCK_ROWS)
@@ -194,16 +208,12 @@ impl Recorder {
 
     /// Copies the values of a row; the error is a variable that is not finite.
     pub fn take(&mut self, machine: &Machine<'_>) -> Result<(), VarId> {
-        let row = self.times.len();
-        let first = if self.narrowed { row } else { row * self.slots.len() };
-        let places = self.block[first..].iter_mut().step_by(self.stride);
-        let memory = &machine.memory[..];
-        let mut fine = true;
-        for (place, (_, slot)) in places.zip(&self.slots) {
-            *place = memory[*slot as usize];
-            fine &= place.is_finite();
-        }
-        if fine {
+        let (row, memory) = (self.times.len(), &machine.memory[..]);
+        let is_fine = match self.narrowed {
+            true => copy(self.block[row..].iter_mut().step_by(self.stride), &self.slots, memory),
+            false => copy(self.block[row * self.slots.len()..].iter_mut(), &self.slots, memory),
+        };
+        if is_fine {
             return Ok(());
         }
         let broken = self.slots.iter().find(|(_, slot)| !memory[*slot as usize].is_finite());

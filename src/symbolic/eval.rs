@@ -8,6 +8,18 @@ use crate::ir::external::Externals;
 /// The value of a unary operator; Boolean values are 0 and 1.
 #[inline]
 pub fn unary(op: Unary, x: f64, externals: &Externals) -> f64 {
+    unary_inlined(op, x, externals)
+}
+
+/// The value of a binary operator; Boolean values are 0 and 1.
+#[inline]
+pub fn binary(op: Binary, x: f64, y: f64, externals: &Externals) -> f64 {
+    binary_inlined(op, x, y, externals)
+}
+
+/// As [`unary`], for the loop of the interpreter.
+#[inline(always)]
+pub fn unary_inlined(op: Unary, x: f64, externals: &Externals) -> f64 {
     macro_rules! value {
         (($a:ident, $_y:ident, $_g:ident) $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slope:expr })*) => {
             match op {
@@ -21,9 +33,9 @@ pub fn unary(op: Unary, x: f64, externals: &Externals) -> f64 {
     unary_builtins!(value)
 }
 
-/// The value of a binary operator; Boolean values are 0 and 1.
-#[inline]
-pub fn binary(op: Binary, x: f64, y: f64, externals: &Externals) -> f64 {
+/// As [`binary`], for the loop of the interpreter.
+#[inline(always)]
+pub fn binary_inlined(op: Binary, x: f64, y: f64, externals: &Externals) -> f64 {
     macro_rules! value {
         (($a:ident, $b:ident, $_y:ident, $_g:ident, $_seed:ident)
          $($(#[$doc:meta])* $op:ident { $facts:tt $value:expr; $slopes:expr; $chain:expr })*) => {

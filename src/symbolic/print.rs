@@ -144,7 +144,7 @@ impl Printer<'_> {
             Node::Unary(op, a) => call(out, self.unary_name(op), |out| {
                 self.write(a, 0, out);
                 if let Unary::Text(form) = op {
-                    push_form(form, g.ty(a), out);
+                    push_form(g.forms[form], g.ty(a), out);
                 }
             }),
             Node::Binary(op, a, b) => match operator_strengths(op) {

@@ -228,7 +228,7 @@ impl Graph {
             // Known only at run time.
             (Unary::Carried(_), _) => None,
             (Unary::Text(form), _) => {
-                let text = string::text(self, c, form)?;
+                let text = string::text(self, c, self.forms[form])?;
                 Some(self.string(&text))
             }
             (Unary::External(f), _) if self.is_integer_valued(f) => {

@@ -186,7 +186,9 @@ impl Inference<'_> {
 
     /// The units of all expressions; operands have lower numbers than their users.
     fn evaluate(&mut self) {
+        let count = self.flat.graph.len();
         self.expressions = IndexVec::new();
+        self.expressions.reserve_exact(count);
         for e in self.flat.graph.ids() {
             let d = self.of(e);
             self.expressions.push(d);

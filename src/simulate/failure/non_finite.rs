@@ -94,7 +94,7 @@ impl<'a> Explainer<'a> {
             Node::NoEvent(a) => self.message(a),
             Node::Unary(Unary::Text(form), a) => {
                 let known = value(a).map(|x| Const::of_type(graph.ty(a), x));
-                let text = known.and_then(|x| string::text(graph, x, form));
+                let text = known.and_then(|x| string::text(graph, x, graph.forms[form]));
                 text.unwrap_or_else(|| self.text(a))
             }
             Node::Var(v) => match dae.eliminated.iter().find(|(p, _)| *p == v) {
