@@ -1,7 +1,5 @@
 //! Bindings, attributes and prefixes of a component, from its modifications and its type.
 
-use std::rc::Rc;
-
 use super::ClassGraph;
 use crate::base::name::Name;
 use crate::ir::ast::Causality;
@@ -78,8 +76,8 @@ impl ClassGraph<'_> {
             }
         }
         let table = self.table_of(id);
-        for (modification, _) in &table.layers {
-            found.extend(modification.names().map(|part| part.name));
+        for layer in &table.layers {
+            found.extend(layer.modified_names().map(|(part, _)| part));
         }
         found
     }
@@ -101,12 +99,7 @@ impl ClassGraph<'_> {
     ) -> Vec<Layer> {
         let mut found = Vec::new();
         let table = self.table_of(id);
-        for (modification, class) in &table.layers {
-            let layer = Layer {
-                source: LayerSource::Whole(modification.clone()),
-                scope: self.outside(*class),
-                subscripts: Rc::from([]),
-            };
+        for layer in &table.layers {
             layer.child(attribute, &mut found);
         }
         found

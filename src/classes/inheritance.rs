@@ -14,6 +14,7 @@ use crate::ir::instance::{
     ClassDefinition, ClassId, ClassInstance, ClassTable, Declaration, Entry, EntryKind, InstanceId,
     Redeclaration, Scope, Section, SectionKind,
 };
+use crate::ir::modification::{Layer, LayerSource};
 
 /// How far the table of a class is.
 #[derive(Clone)]
@@ -45,6 +46,7 @@ impl ClassGraph<'_> {
             holder,
             redeclared,
             constraint,
+            modified: self.no_layers.clone(),
         })
     }
 
@@ -81,10 +83,19 @@ impl ClassGraph<'_> {
         if more.is_empty() {
             return class;
         }
-        let old = self.classes[class].clone();
-        let all: Vec<_> = more.into_iter().chain(old.redeclared.iter().cloned()).collect();
-        let made = self.add_class(old.body, old.full_name, old.enclosing, old.holder, all.into());
-        self.classes[made].constraint = old.constraint;
+        let made = self.copy_of(class);
+        let before = self.classes[class].redeclared.iter().cloned();
+        self.classes[made].redeclared = more.into_iter().chain(before).collect();
+        made
+    }
+
+    /// Another class of the same definition.
+    pub(crate) fn copy_of(&mut self, class: ClassId) -> ClassId {
+        let ClassInstance { body, full_name, enclosing, holder, redeclared, constraint, modified } =
+            self.classes[class].clone();
+        let made = self.add_class(body, full_name, enclosing, holder, redeclared);
+        self.classes[made].constraint = constraint;
+        self.classes[made].modified = modified;
         made
     }
 
@@ -110,9 +121,7 @@ impl ClassGraph<'_> {
         if let Some(known) = self.constrained.get(&(replacing, before)) {
             return *known;
         }
-        let old = self.classes[replacing].clone();
-        let made =
-            self.add_class(old.body, old.full_name, old.enclosing, old.holder, old.redeclared);
+        let made = self.copy_of(replacing);
         self.classes[made].constraint = Some((modification, before));
         self.constrained.insert((replacing, before), made);
         made
@@ -273,6 +282,9 @@ impl ClassGraph<'_> {
                     self.check_definition(&text);
                 }
                 self.fill(class, &text, &mut table);
+                if table.scalar.is_some() {
+                    table.layers.splice(0..0, self.classes[class].modified.iter().cloned());
+                }
                 let table = Rc::new(table);
                 self.tables[class] = TableState::Done(table.clone());
                 if first {
@@ -501,7 +513,11 @@ impl ClassGraph<'_> {
         table.lacks_base |= inherited.lacks_base;
         if let Some(ty) = inherited.scalar {
             table.scalar = Some(ty);
-            table.layers.extend(layers.iter().cloned());
+            table.layers.extend(layers.iter().map(|(modification, class)| Layer {
+                source: LayerSource::Whole(modification.clone()),
+                scope: self.outside(*class),
+                subscripts: self.no_sizes.clone(),
+            }));
             table.layers.extend(inherited.layers.iter().cloned());
         }
         if inherited.scalar.is_none() {

@@ -139,7 +139,8 @@ impl ClassGraph<'_> {
             return Some(self.under_constraint(replacing, class, wanted, instance));
         }
         let found = self.class_in(&text, declared_in, holder);
-        Some(self.under_constraint(found, class, wanted, instance))
+        let found = self.under_constraint(found, class, wanted, instance);
+        Some(self.modified_in_package(found, class, wanted))
     }
 
     /// The class `wanted` in a file of its own in the folder of the package `class` or of one of its

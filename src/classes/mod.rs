@@ -75,6 +75,8 @@ pub struct ClassGraph<'a> {
     class_cache: FastMap<(usize, ClassId, InstanceId), ClassId>,
     /// Classes that replace another one, with what its constraining clause says.
     constrained: FastMap<(ClassId, ClassId), ClassId>,
+    /// Classes as packages that inherit them have them, by the class and the package.
+    modified_types: FastMap<(ClassId, ClassId), ClassId>,
     /// Declarations that mean the same for all their components.
     declaration_cache: FastMap<declaration_cache::Key, declaration_cache::Cached>,
     /// The positions of import clauses in classes.

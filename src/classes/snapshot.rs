@@ -69,6 +69,7 @@ impl<'a> ClassGraph<'a> {
             open_definitions: FastMap::default(),
             class_cache: snapshot.class_cache,
             constrained: FastMap::default(),
+            modified_types: FastMap::default(),
             declaration_cache: FastMap::default(),
             imports: snapshot.imports,
             package_instances: snapshot.package_instances,

@@ -7,8 +7,9 @@ use std::rc::Rc;
 use super::ClassGraph;
 use super::cause::ClassCause;
 use crate::base::diag::Diagnostic;
+use crate::base::name::Name;
 use crate::ir::ast;
-use crate::ir::instance::Scope;
+use crate::ir::instance::{ClassId, Scope};
 use crate::ir::modification::{Layer, LayerSource};
 
 impl ClassGraph<'_> {
@@ -39,6 +40,10 @@ impl ClassGraph<'_> {
     fn class_modifications(&mut self, path: &ast::Path, scope: Scope) -> Vec<Layer> {
         let mut found = Vec::new();
         let [name] = path.parts.as_slice() else { return found };
+        // A package gives what it says to the type itself.
+        if self.instances[scope.instance].class.is_some_and(|class| self.is_package(class)) {
+            return found;
+        }
         // As the instance has it: it may have inherited the class.
         let table = self.table_of(scope.instance);
         let Some(entry) = table.index.get(&name.name).map(|at| &table.entries[*at]) else {
@@ -60,5 +65,55 @@ impl ClassGraph<'_> {
             layer.child(entry.name.name, &mut found);
         }
         found
+    }
+
+    /// The element `wanted` of the package `class`, which is `found`: a type has what the `extends` clauses say of it
+    /// through which the package inherits it, as in `extends P(T(start = 1))` (section 7.2).
+    pub(crate) fn modified_in_package(
+        &mut self,
+        found: ClassId,
+        class: ClassId,
+        wanted: Name,
+    ) -> ClassId {
+        if !self.is_package(class) || self.table_in_progress(class) {
+            return found;
+        }
+        if let Some(known) = self.modified_types.get(&(found, class)) {
+            return *known;
+        }
+        let layers = self.layers_of_package(class, wanted);
+        if layers.is_empty() {
+            self.modified_types.insert((found, class), found);
+            return found;
+        }
+        if self.table_in_progress(found) || self.table(found).scalar.is_none() {
+            return found;
+        }
+        let made = self.copy_of(found);
+        self.classes[made].modified = layers.into();
+        self.modified_types.insert((found, class), made);
+        made
+    }
+
+    /// Modifications of an element of a package by the `extends` clauses through which it comes, outermost first.
+    fn layers_of_package(&mut self, class: ClassId, wanted: Name) -> Vec<Layer> {
+        let mut layers = Vec::new();
+        let table = self.table(class);
+        let Some(entry) = table.index.get(&wanted).map(|at| &table.entries[*at]) else {
+            return layers;
+        };
+        if entry.layers.is_empty() {
+            return layers;
+        }
+        let package = self.package_instance(class);
+        for (modification, written_in) in entry.layers.iter() {
+            let layer = Layer {
+                source: LayerSource::Whole(modification.clone()),
+                scope: self.modification_scope(*written_in, package),
+                subscripts: self.no_sizes.clone(),
+            };
+            layer.child(wanted, &mut layers);
+        }
+        layers
     }
 }

@@ -92,7 +92,7 @@ impl Evaluator<'_> {
             let class = self.find_class(&declaration.clause().type_name, scope)?;
             let table = self.table(class);
             table.scalar?;
-            table.layers.iter().find_map(|(m, _)| literal_unit(m))
+            table.layers.iter().find_map(|layer| literal_unit(layer.inner()?))
         })
     }
 }

@@ -245,13 +245,14 @@ impl Evaluator<'_> {
         span: Span,
         scope: Scope,
     ) -> Option<Value> {
+        let mode = self.mode_of_arguments(class);
         let mut positional = Vec::with_capacity(args.len());
         for a in args {
-            positional.push(self.argument(a, scope)?);
+            positional.push(self.with_mode(mode, |cx| cx.argument(a, scope))?);
         }
         let mut by_name = Vec::with_capacity(named.len());
         for (n, e) in named {
-            by_name.push((*n, self.argument(e, scope)?));
+            by_name.push((*n, self.with_mode(mode, |cx| cx.argument(e, scope))?));
         }
         self.call_class(class, positional, by_name, span)
     }

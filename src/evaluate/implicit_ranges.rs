@@ -181,12 +181,7 @@ fn in_statements(list: &[Statement], see: &mut See<'_>) {
 }
 
 fn in_reference(r: &ComponentRef, see: &mut See<'_>) {
-    see(r);
-    for s in r.parts.iter().flat_map(|p| &p.subscripts) {
-        if let Subscript::Expr(e) = s {
-            in_expression(e, see);
-        }
-    }
+    walk_reference(r, true, see);
 }
 
 /// The names of the variables that statements assign.
@@ -213,46 +208,69 @@ pub(crate) fn assigned(list: &[Statement], names: &mut FastSet<Name>) {
 
 /// Calls `see` with every reference in an expression.
 pub(crate) fn in_expression(e: &Expr, see: &mut See<'_>) {
+    walk(e, true, see);
+}
+
+/// Calls `see` with every reference in an expression whose value matters, and not only its size.
+pub(crate) fn in_values(e: &Expr, see: &mut See<'_>) {
+    walk(e, false, see);
+}
+
+fn is_size(function: &ComponentRef) -> bool {
+    function.simple().is_some_and(|name| matches!(name.as_str(), "size" | "ndims"))
+}
+
+fn walk(e: &Expr, of_sizes: bool, see: &mut See<'_>) {
     match &e.kind {
-        ExprKind::Ref(r) => in_reference(r, see),
-        ExprKind::Unary(_, a) | ExprKind::Parenthesised(a) => in_expression(a, see),
+        ExprKind::Ref(r) => walk_reference(r, of_sizes, see),
+        ExprKind::Unary(_, a) | ExprKind::Parenthesised(a) => walk(a, of_sizes, see),
         ExprKind::Binary(_, a, b) => {
-            in_expression(a, see);
-            in_expression(b, see);
+            walk(a, of_sizes, see);
+            walk(b, of_sizes, see);
         }
         ExprKind::If { branches, otherwise } => {
             for (c, v) in branches {
-                in_expression(c, see);
-                in_expression(v, see);
+                walk(c, of_sizes, see);
+                walk(v, of_sizes, see);
             }
-            in_expression(otherwise, see);
+            walk(otherwise, of_sizes, see);
         }
+        ExprKind::Call { function, .. } if !of_sizes && is_size(function) => {}
         ExprKind::Call { args, named, .. } => {
-            args.iter().for_each(|a| in_expression(a, see));
-            named.iter().for_each(|(_, a)| in_expression(a, see));
+            args.iter().for_each(|a| walk(a, of_sizes, see));
+            named.iter().for_each(|(_, a)| walk(a, of_sizes, see));
         }
         ExprKind::Reduction { body, .. } | ExprKind::Comprehension { body, .. } => {
-            in_expression(body, see);
+            walk(body, of_sizes, see);
         }
-        ExprKind::Array(list) => list.iter().for_each(|a| in_expression(a, see)),
-        ExprKind::Matrix(rows) => rows.iter().flatten().for_each(|a| in_expression(a, see)),
+        ExprKind::Array(list) => list.iter().for_each(|a| walk(a, of_sizes, see)),
+        ExprKind::Matrix(rows) => rows.iter().flatten().for_each(|a| walk(a, of_sizes, see)),
         ExprKind::Range { start, step, stop } => {
-            in_expression(start, see);
-            step.iter().for_each(|s| in_expression(s, see));
-            in_expression(stop, see);
+            walk(start, of_sizes, see);
+            step.iter().for_each(|s| walk(s, of_sizes, see));
+            walk(stop, of_sizes, see);
         }
-        ExprKind::Tuple(list) => list.iter().flatten().for_each(|a| in_expression(a, see)),
+        ExprKind::Tuple(list) => list.iter().flatten().for_each(|a| walk(a, of_sizes, see)),
         ExprKind::Indexed(a, subscripts) => {
-            in_expression(a, see);
+            walk(a, of_sizes, see);
             for s in subscripts {
                 if let Subscript::Expr(e) = s {
-                    in_expression(e, see);
+                    walk(e, of_sizes, see);
                 }
             }
         }
         ExprKind::PartialFunction { named, .. } => {
-            named.iter().for_each(|(_, a)| in_expression(a, see));
+            named.iter().for_each(|(_, a)| walk(a, of_sizes, see));
         }
         _ => {}
+    }
+}
+
+fn walk_reference(r: &ComponentRef, of_sizes: bool, see: &mut See<'_>) {
+    see(r);
+    for s in r.parts.iter().flat_map(|p| &p.subscripts) {
+        if let Subscript::Expr(e) = s {
+            walk(e, of_sizes, see);
+        }
     }
 }

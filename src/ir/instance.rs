@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use super::ast;
 use super::expr::{Type, VarId};
+use super::modification::Layer;
 use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
@@ -48,6 +49,8 @@ pub struct ClassInstance {
     /// The modification of the constraining clause of the class that this one replaces, and that class: names in the
     /// modification are looked up around it.
     pub constraint: Option<(Arc<ast::Modification>, ClassId)>,
+    /// Modifications of a type by the packages that inherit it, outermost first.
+    pub modified: Rc<[Layer]>,
 }
 
 /// The definition of a class.
@@ -90,8 +93,8 @@ pub struct ClassTable {
     pub dims: Vec<(Vec<ast::Subscript>, ClassId)>,
     /// Prefixes that short classes add.
     pub prefix: ast::TypePrefix,
-    /// Modifications that short classes and `extends` put on a predefined type, outermost first.
-    pub layers: Vec<(Arc<ast::Modification>, ClassId)>,
+    /// Modifications that packages, short classes and `extends` put on a predefined type, outermost first.
+    pub layers: Vec<Layer>,
     /// Components and local classes in order, inherited ones at the position of their `extends`.
     pub entries: Vec<Entry>,
     /// Position of a name in `entries`.
@@ -191,7 +194,7 @@ pub struct Instance {
     /// Where the names of its declaration are looked up.
     pub scope: Scope,
     /// Its modifications, outermost first.
-    pub layers: Rc<[super::modification::Layer]>,
+    pub layers: Rc<[Layer]>,
     /// Its class, once known.
     pub class: Option<ClassId>,
     /// Its kind, once known.

@@ -29,3 +29,69 @@ package Media
 end Media;
 //@ expect h = 5 + 4*20*2
 //@ expect now at 1 = 5 + 4*2 abs 1e-12
+
+//@ case types_modified_by_extends_clauses
+//@ run stop=1
+// What a package says of a type that it inherits holds for all variables of that type in the package, and outermost
+// modifications win.
+package Media
+  partial package General
+    type Temperature = Real(unit = "K", start = 300);
+    replaceable record State
+      Temperature T;
+    end State;
+    replaceable partial model Properties
+      Temperature T(fixed = true);
+    equation
+      der(T) = 0;
+    end Properties;
+  end General;
+  package Water
+    extends General(Temperature(start = usual));
+    constant Real usual = 350;
+    redeclare replaceable record extends State
+      Temperature surface;
+    end State;
+    redeclare replaceable model extends Properties
+      Temperature inside(fixed = true);
+    equation
+      der(inside) = 0;
+    end Properties;
+  end Water;
+  package Hot = Water(Temperature(start = 390));
+  package Derived
+    extends Water;
+    type Difference = Temperature(min = 0);
+  end Derived;
+  model Vessel
+    replaceable package Medium = Water;
+    Medium.Temperature T(fixed = true);
+    Medium.State state(T(fixed = true), surface(fixed = true));
+    Medium.Properties properties;
+    Medium.Temperature own(start = 1, fixed = true);
+  equation
+    der(T) = 0;
+    der(own) = 0;
+    der(state.T) = 0;
+    der(state.surface) = 0;
+  end Vessel;
+  model Vessels
+    Vessel water;
+    Vessel hot(redeclare package Medium = Hot);
+    Vessel derived(redeclare package Medium = Derived);
+    General.Temperature T(fixed = true);
+    Derived.Difference difference(fixed = true);
+  equation
+    der(T) = 0;
+    der(difference) = 0;
+  end Vessels;
+end Media;
+//@ expect water.T, water.state.T, water.state.surface = 350
+//@ expect water.properties.T, water.properties.inside = 350
+//@ expect derived.T, derived.state.T, derived.state.surface = 350
+//@ expect derived.properties.T, derived.properties.inside = 350
+//@ expect hot.T, hot.state.T, hot.state.surface = 390
+//@ expect hot.properties.T, hot.properties.inside = 390
+//@ expect water.own, hot.own = 1
+//@ expect T = 300
+//@ expect difference = 350

@@ -93,3 +93,31 @@ model Doubled
   parameter Real x = doubled(60);
   Real y = x;
 end Doubled;
+
+//@ case sizes_by_values_of_real_arguments
+//@ run stop=1
+// The number of outputs is a value that a function computes from real numbers.
+function largest
+  input Real x[:];
+  output Integer n = integer(max(x));
+end largest;
+function multiples
+  input Real x[:];
+  output Real y[n + size(x, 1)];
+protected
+  Integer n = largest(x);
+algorithm
+  for k in 1:size(y, 1) loop
+    y[k] := k*x[1];
+  end for;
+end multiples;
+model Sequence
+  parameter Real weights[:] = {2, 3, 1};
+  final parameter Real list[:] = multiples(weights);
+  parameter Real last = list[end];
+  parameter Integer count = size(list, 1);
+  Real y = last*time;
+end Sequence;
+//@ expect count = 6
+//@ expect last = 12
+//@ expect y at 1 = 12
