@@ -40,7 +40,7 @@ impl ClassGraph<'_> {
     fn class_modifications(&mut self, path: &ast::Path, scope: Scope) -> Vec<Layer> {
         let mut found = Vec::new();
         let [name] = path.parts.as_slice() else { return found };
-        // A package gives what it says to the type itself.
+        // The type itself has the modifications of a package.
         if self.instances[scope.instance].class.is_some_and(|class| self.is_package(class)) {
             return found;
         }
@@ -67,8 +67,8 @@ impl ClassGraph<'_> {
         found
     }
 
-    /// The element `wanted` of the package `class`, which is `found`: a type has what the `extends` clauses say of it
-    /// through which the package inherits it, as in `extends P(T(start = 1))` (section 7.2).
+    /// The element `wanted` of the package `class`, which is `found`: a type has the modifications of the `extends`
+    /// clauses through which the package inherits it, as in `extends P(T(start = 1))` (section 7.2).
     pub(crate) fn modified_in_package(
         &mut self,
         found: ClassId,

@@ -99,11 +99,14 @@ pub struct Machine<'p> {
     pub starts_by_states: bool,
     /// Clamps the arguments of functions to their domain.
     pub clamp_domain: bool,
-    /// Executes mixed blocks once instead of iterating them, and solves inconsistent linear
-    /// equations in the least-squares sense: intermediate steps of a search for consistent values.
+    /// Executes mixed blocks once instead of iterating them, solves inconsistent linear equations in
+    /// the least-squares sense, and leaves nonlinear ones at their start where they are singular:
+    /// intermediate steps of a search for consistent values.
     pub relaxed: bool,
     /// The last relaxed execution has not converged yet.
     pub still_changing: bool,
+    /// The last relaxed execution left a nonlinear block unsolved.
+    pub is_unsolved: bool,
     tier: Tier,
     /// If present, the derivatives of every executed tape are propagated.
     pub tangents: Option<Box<Tangents>>,
@@ -159,6 +162,7 @@ impl<'p> Machine<'p> {
             clamp_domain: false,
             relaxed: false,
             still_changing: false,
+            is_unsolved: false,
             undetermined: None,
             tier: Tier::Interpreted,
             tangents: None,

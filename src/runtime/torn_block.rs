@@ -105,7 +105,14 @@ impl TornBlockSolver {
                     equations.machine.undetermined.get_or_insert((k, unknown));
                 }
                 let fault = equations.fault;
-                to_result(ending, k, fault)?;
+                match to_result(ending, k, fault) {
+                    // Its equations may be those of other values of relations, which a later pass has.
+                    Err(Fault::Singular { .. }) if machine.relaxed => {
+                        machine.still_changing = true;
+                        machine.is_unsolved = true;
+                    }
+                    outcome => outcome?,
+                }
             }
         }
         // Evaluate the explicit part at the solution.

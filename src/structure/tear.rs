@@ -35,6 +35,9 @@ pub fn tear(
     let linear = linear::is_linear(&dae.graph, residuals.iter().copied(), |v| members.contains(&v));
     let Coefficients { partials, mut solvable } =
         coefficients(dae, &graph, &residuals, &unknowns, &members);
+    if !linear {
+        exclude_slight_effects(dae, &graph, &partials, &unknowns, &mut solvable);
+    }
     let sizes = (linear && pairs.len() >= LONG_SEQUENCE)
         .then(|| tearing.growth.scaled_sizes(dae, &graph, &partials));
     let select = match linear {
@@ -120,6 +123,32 @@ fn coefficients(
         }
     }
     Coefficients { partials: known, solvable }
+}
+
+/// Smallest effect of an unknown that is solved for, relative to the largest effect in its equation.
+const SLIGHTEST_EFFECT: f64 = 1e-3;
+
+/// Excludes solutions for unknowns that hardly matter in their equation, such as the pressure in the enthalpy of a
+/// liquid: the result would be far from every sensible value until all others are exact. Effects are coefficients
+/// times nominal values, and count where both are numbers.
+fn exclude_slight_effects(
+    dae: &Dae,
+    graph: &Bipartite,
+    partials: &IndexVec<Edge, Option<ExprId>>,
+    unknowns: &IndexVec<Col, VarId>,
+    solvable: &mut IndexVec<Edge, bool>,
+) {
+    let effect = |edge: Edge| {
+        let nominal = dae.variables[unknowns[graph.col(edge)]].nominal?;
+        let coefficient = dae.graph.as_number(partials[edge]?)?;
+        Some((coefficient * dae.graph.as_number(nominal)?).abs())
+    };
+    for row in graph.rows() {
+        let largest = graph.edges(row).filter_map(effect).fold(0.0, f64::max);
+        for edge in graph.edges(row) {
+            solvable[edge] &= effect(edge).is_none_or(|e| e >= SLIGHTEST_EFFECT * largest);
+        }
+    }
 }
 
 /// Maximum ratio between the branches of a coefficient.

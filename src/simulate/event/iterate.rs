@@ -168,12 +168,15 @@ fn relaxed_pass<'p>(
 ) -> Result<(), EventError> {
     let first = machine.program.layout.relations;
     let previous: Vec<f64> = lagged.iter().map(|k| machine.get(first + k)).collect();
-    (machine.relaxed, machine.still_changing) = (true, false);
+    (machine.relaxed, machine.still_changing, machine.is_unsolved) = (true, false, false);
     let outcome = machine.run(tape);
     machine.relaxed = false;
     outcome?;
-    machine.still_changing |=
-        lagged.iter().zip(&previous).any(|(k, h)| machine.get(first + k) != *h);
+    let changed = lagged.iter().zip(&previous).any(|(k, h)| machine.get(first + k) != *h);
+    if machine.is_unsolved && !changed {
+        return Err(EventError::NotConverged(Vec::new(), Vec::new()));
+    }
+    machine.still_changing |= changed;
     Ok(())
 }
 

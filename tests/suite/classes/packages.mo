@@ -32,8 +32,8 @@ end Media;
 
 //@ case types_modified_by_extends_clauses
 //@ run stop=1
-// What a package says of a type that it inherits holds for all variables of that type in the package, and outermost
-// modifications win.
+// The modification of a type that a package inherits holds for all variables of that type in the package, and
+// outermost modifications win.
 package Media
   partial package General
     type Temperature = Real(unit = "K", start = 300);

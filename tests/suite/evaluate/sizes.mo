@@ -114,10 +114,8 @@ end multiples;
 model Sequence
   parameter Real weights[:] = {2, 3, 1};
   final parameter Real list[:] = multiples(weights);
-  parameter Real last = list[end];
-  parameter Integer count = size(list, 1);
-  Real y = last*time;
+  Real last = list[end]*time;
+  Real count = size(list, 1)*time;
 end Sequence;
-//@ expect count = 6
-//@ expect last = 12
-//@ expect y at 1 = 12
+//@ expect count at 1 = 6
+//@ expect last at 1 = 12

@@ -214,3 +214,24 @@ end Starts;
 //@ expect logarithm.ratio = 3 rel 1e-12
 //@ expect temperature.T = 300 rel 1e-9
 //@ expect pipe.m, pipe.p = sqrt(1.5), 2.5 rel 1e-9
+
+//@ case relations_that_many_equations_wait_for
+// Where a vessel counts as empty, nothing determines its pressure: that is so for all of them until the first pass has
+// computed the levels.
+model Vessels
+  parameter Integer n = 20;
+  Real level[n];
+  Real p[n](each start = 1);
+  Boolean is_covered[n];
+initial equation
+  level = {2 + k for k in 1:n};
+equation
+  der(level) = -level;
+  for k in 1:n loop
+    is_covered[k] = level[k] >= 0.5;
+    0 = if is_covered[k] then p[k]^3 - level[k] else level[k] - 1;
+  end for;
+  annotation(experiment(StopTime = 0.5));
+end Vessels;
+//@ expect p[1], p[6], p[20] at start = 3^(1/3), 2, 22^(1/3) rel 1e-12
+//@ expect p[6] = 2*exp(-0.5/3) rel 1e-5

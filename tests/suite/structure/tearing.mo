@@ -21,3 +21,21 @@ end Bridge;
 //@ let aa = g1 + g3 + g5
 //@ let bb = g2 + g4 + g5
 //@ expect a = (bb*g1 + g5*g2)*sin(1)/(aa*bb - g5^2) abs 1e-12
+
+//@ case slight_effects_are_not_solved_for
+// The enthalpy of a liquid hardly depends on its pressure, so that the pressure does not follow from it.
+model Liquid
+  parameter Real T = 300;
+  Real d(nominal = 1000, start = 1000);
+  Real h(nominal = 1e6);
+  Real p(nominal = 1e5);
+  Real m = 2 + time;
+equation
+  h = 4200*(T - 278) + 1e-3*(p - 1e5);
+  exp(d/1000 - 1) = exp(-2.57e-4*(h - 92400)/4200);
+  sinh(p/1e5) = sinh(2 + 0.1*m^2/d);
+end Liquid;
+//@ expect structure has 3 "h := 4200.0"
+//@ let d1 = 1000*(1 - 2.57e-4*1e-3*(1e5 + 90)/4200)
+//@ expect d = d1 rel 1e-9
+//@ expect p = 2e5 + 9e4/d1 rel 1e-9
