@@ -26,8 +26,8 @@ pub struct SeparateStarts {
 /// Most states that are tried, each alone and all together.
 const MAX_STATES: usize = 4;
 
-/// The fewest states whose starts, free for each recording, explain most of the misfit without any effect. `None` if the plan
-/// frees something for each recording already.
+/// The states whose starts, free for each recording, explain the misfit best without any effect. `None` if they do not explain
+/// most of it, or if the plan frees something for each recording already.
 pub fn separate_starts(search: &Search<'_>, before: &Hypothesis) -> Option<SeparateStarts> {
     let study = search.study;
     let states: Vec<String> = study.fixed_starts.iter().take(MAX_STATES).cloned().collect();
@@ -44,7 +44,7 @@ pub fn separate_starts(search: &Search<'_>, before: &Hypothesis) -> Option<Separ
         excess(h.chi2_train()) < left * excess(before.chi2_train())
             && excess(h.chi2_validation()) < left * excess(before.chi2_validation())
     };
-    for states in sets {
+    let fitted = |states: Vec<String>| {
         if search.is_cancelled() {
             return None;
         }
@@ -54,13 +54,12 @@ pub fn separate_starts(search: &Search<'_>, before: &Hypothesis) -> Option<Separ
             let stopping = &search.policy().fit.quick;
             local_search(p, &start, stopping, &mut |_, _| search.on_step())
         };
-        let fitted = Hypothesis::fitted(study, Vec::new(), plan, fit);
-        if let Some(h) = fitted.ok().filter(explains) {
-            let (train, validation) = (h.chi2_train(), h.chi2_validation());
-            return Some(SeparateStarts { states, train, validation });
-        }
-    }
-    None
+        let h = Hypothesis::fitted(study, Vec::new(), plan, fit).ok().filter(explains)?;
+        let (train, validation) = (h.chi2_train(), h.chi2_validation());
+        Some((h.total_criterion(), SeparateStarts { states, train, validation }))
+    };
+    let all = sets.into_iter().filter_map(fitted);
+    all.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, starts)| starts)
 }
 
 /// The plan of a hypothesis with a start of its own for each recording.

@@ -25,13 +25,14 @@ impl Factors {
         }
     }
 
-    /// Overwrites a right side with the solution; with the one of least squares if there is none.
-    pub(super) fn solve_in_place(&mut self, right: &mut [f64]) {
+    /// Overwrites a right side with the solution. False if there is none; the right side then has that of least squares.
+    pub(super) fn solve_in_place(&mut self, right: &mut [f64]) -> bool {
         match self {
-            Factors::Regular(lu) => lu.solve_in_place(right),
-            Factors::Singular(inverse) => {
-                inverse.solve_in_place(right);
+            Factors::Regular(lu) => {
+                lu.solve_in_place(right);
+                true
             }
+            Factors::Singular(inverse) => inverse.solve_in_place(right),
         }
     }
 }
@@ -44,8 +45,9 @@ mod tests {
     fn what_a_singular_matrix_does_not_determine_is_constant() {
         let mut factors = Factors::of(2, &[4.0, 0.0, 0.0, 0.0], 0).unwrap();
         let mut right = [2.0, 0.0];
-        factors.solve_in_place(&mut right);
+        assert!(factors.solve_in_place(&mut right));
         assert_eq!(right, [0.5, 0.0]);
+        assert!(!factors.solve_in_place(&mut [2.0, 1.0]));
         assert!(Factors::of(1, &[f64::NAN], 7).is_err());
     }
 }

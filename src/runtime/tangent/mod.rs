@@ -212,7 +212,10 @@ impl Tangents {
             for (c, slot) in column.iter_mut().zip(&torn_block.residuals) {
                 *c = -self.of(*slot)[direction];
             }
-            factors.solve_in_place(&mut column);
+            // An intermediate pass, whose values are no solution either, tolerates that there is none.
+            if !factors.solve_in_place(&mut column) && !machine.relaxed {
+                return Err(Fault::Singular { torn_block: k, unknown: n - 1 });
+            }
             for (c, slot) in column.iter().zip(&torn_block.slots) {
                 self.of_mut(*slot)[direction] = *c;
             }

@@ -9,7 +9,7 @@ mod formula;
 mod judge;
 
 use std::collections::BTreeSet;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use self::case::{TestCase, cases, root, stages};
 use self::judge::judge;
@@ -32,7 +32,19 @@ stages! {
     parse report rules runtime sensitivity simulate structure sweep
 }
 
-fn run(stage: &str) {
+/// Bytes of the stack that the cases of a folder have: the command has more, a thread of the test harness too few for
+/// functions that call themselves.
+const STACK: usize = 64 << 20;
+
+/// Runs a folder on a thread of its own.
+fn run(stage: &'static str) {
+    let thread = std::thread::Builder::new().stack_size(STACK).spawn(move || run_cases(stage));
+    if let Err(panic) = thread.expect("a thread").join() {
+        resume_unwind(panic);
+    }
+}
+
+fn run_cases(stage: &str) {
     let filter = std::env::var("MOCC_CASE").unwrap_or_default();
     let cases = cases(stage).unwrap_or_else(|why| panic!("{why}"));
     let mut wrong = Vec::new();
