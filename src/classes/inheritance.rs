@@ -200,6 +200,24 @@ impl ClassGraph<'_> {
         }
     }
 
+    /// Adds what the `extends` clauses through which an element comes say of it in an instance, outermost first.
+    pub(crate) fn inherited_layers(
+        &self,
+        clauses: &[(Arc<ast::Modification>, ClassId)],
+        instance: InstanceId,
+        element: Name,
+        found: &mut Vec<Layer>,
+    ) {
+        for (modification, written_in) in clauses {
+            let layer = Layer {
+                source: LayerSource::Whole(modification.clone()),
+                scope: self.modification_scope(*written_in, instance),
+                subscripts: self.no_sizes.clone(),
+            };
+            layer.child(element, found);
+        }
+    }
+
     /// The scope around a class: where its base is looked up if it is a short class.
     pub(crate) fn outside(&self, class: ClassId) -> Scope {
         let c = &self.classes[class];

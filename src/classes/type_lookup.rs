@@ -2,15 +2,13 @@
 //! perhaps a local class that is modified further outside (sections 5.3.1 and 7.2 of the
 //! specification).
 
-use std::rc::Rc;
-
 use super::ClassGraph;
 use super::cause::ClassCause;
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
 use crate::ir::ast;
 use crate::ir::instance::{ClassId, Scope};
-use crate::ir::modification::{Layer, LayerSource};
+use crate::ir::modification::Layer;
 
 impl ClassGraph<'_> {
     /// Checks that a type is not a component of the same class; returns the modifications that a
@@ -56,14 +54,7 @@ impl ClassGraph<'_> {
         for layer in outer.iter() {
             layer.child(entry.name.name, &mut found);
         }
-        for (modification, class) in entry.layers.iter() {
-            let layer = Layer {
-                source: LayerSource::Whole(modification.clone()),
-                scope: self.modification_scope(*class, scope.instance),
-                subscripts: Rc::from([]),
-            };
-            layer.child(entry.name.name, &mut found);
-        }
+        self.inherited_layers(&entry.layers, scope.instance, entry.name.name, &mut found);
         found
     }
 
@@ -106,14 +97,7 @@ impl ClassGraph<'_> {
             return layers;
         }
         let package = self.package_instance(class);
-        for (modification, written_in) in entry.layers.iter() {
-            let layer = Layer {
-                source: LayerSource::Whole(modification.clone()),
-                scope: self.modification_scope(*written_in, package),
-                subscripts: self.no_sizes.clone(),
-            };
-            layer.child(wanted, &mut layers);
-        }
+        self.inherited_layers(&entry.layers, package, wanted, &mut layers);
         layers
     }
 }

@@ -41,6 +41,17 @@ impl Place {
         }
     }
 
+    /// True for the same components, connections and signal, and the same variables, whatever the inputs are called that they
+    /// are bound to.
+    pub fn is_same_over(&self, other: &Place) -> bool {
+        let of = |place: &Place, name: &String| place.binds.iter().any(|(_, v)| v == name);
+        self.at == other.at
+            && self.signal == other.signal
+            && self.connections == other.connections
+            && self.binds.len() == other.binds.len()
+            && self.binds.iter().all(|(_, name)| of(other, name))
+    }
+
     /// True for two components that nothing bridges.
     pub fn is_between(&self) -> bool {
         self.at.len() == 2 && self.connections.len() == 2 && self.others.is_empty()

@@ -1,7 +1,6 @@
 //! The order of preference among fitted hypotheses.
 
 use super::hypothesis::Hypothesis;
-use super::place::Place;
 use super::policy::SearchPolicy;
 use super::search::Search;
 use super::study::Study;
@@ -68,7 +67,7 @@ impl Preference<'_> {
         let limit = (self.criterion)(first) + margin;
         promote(hypotheses, |h| {
             let other = h.effects.last();
-            other.is_some_and(|c| is_same_place(&c.place, &own.place) && c.effect < own.effect)
+            other.is_some_and(|c| c.place.is_same_over(&own.place) && c.effect < own.effect)
                 && (self.criterion)(h) < limit
         });
     }
@@ -171,15 +170,6 @@ impl Preference<'_> {
             !ends_with_curve(study, h) && !self.of_instrument(h) && nearly_as_good(h)
         });
     }
-}
-
-/// True for the same place and the same variables, whatever the inputs that they are bound to are called.
-fn is_same_place(a: &Place, b: &Place) -> bool {
-    let variables = |place: &Place| -> Vec<String> {
-        place.binds.iter().map(|(_, variable)| variable.clone()).collect()
-    };
-    let without_binds = |place: &Place| Place { binds: Vec::new(), ..place.clone() };
-    variables(a) == variables(b) && without_binds(a) == without_binds(b)
 }
 
 /// True if the last added effect acts on a sensor.

@@ -83,14 +83,7 @@ fn is_special_case(study: &Study, special: &Hypothesis, general: &Hypothesis) ->
 
 /// True if two effects act at the same places, over the same variables.
 fn is_same_place(a: &[ChosenEffect], b: &[ChosenEffect]) -> bool {
-    let same = |(a, b): (&ChosenEffect, &ChosenEffect)| {
-        let of = |c: &ChosenEffect, name: &String| c.place.binds.iter().any(|(_, v)| v == name);
-        a.place.at == b.place.at
-            && a.place.signal == b.place.signal
-            && a.place.connections == b.place.connections
-            && a.place.binds.len() == b.place.binds.len()
-            && a.place.binds.iter().all(|(_, name)| of(b, name))
-    };
+    let same = |(a, b): (&ChosenEffect, &ChosenEffect)| a.place.is_same_over(&b.place);
     a.len() == b.len() && a.iter().zip(b).all(same)
 }
 

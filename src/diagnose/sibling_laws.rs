@@ -95,12 +95,12 @@ fn parameters(study: &Study, effect: usize) -> usize {
 /// True if the hypothesis with another law in the place of `own` was fitted to its end.
 fn is_known(diagnosis: &Diagnosis, own: &ChosenEffect, effect: usize) -> bool {
     let after = &diagnosis.after.effects;
-    let is_same = |h: &&Hypothesis| {
+    let is_same = |h: &Hypothesis| {
         h.effects.len() == after.len()
             && after.iter().all(|c| {
                 let wanted = if c.name == own.name { effect } else { c.effect };
                 h.effects.iter().any(|o| o.effect == wanted && o.place.at == c.place.at)
             })
     };
-    diagnosis.rejected.iter().find(is_same).is_some_and(|h| h.is_complete_fit)
+    diagnosis.rejected.iter().any(|h| h.is_complete_fit && is_same(h))
 }

@@ -349,14 +349,7 @@ fn child_instance(
             }
         }
     }
-    for (modification, class) in entry.layers.iter() {
-        let layer = Layer {
-            source: LayerSource::Whole(modification.clone()),
-            scope: cx.modification_scope(*class, parent),
-            subscripts: cx.no_sizes.clone(),
-        };
-        layer.child(wanted, &mut layers);
-    }
+    cx.inherited_layers(&entry.layers, parent, wanted, &mut layers);
     // The modifications of the original declaration also hold for a replacement (section 7.3.2),
     // unless a constraining clause has its own.
     let constraint = constraint(&declaration.element);

@@ -8,13 +8,12 @@
 
 use crate::ir::expr::{Binary, Unary};
 use crate::ir::program::{CallSite, Instr, Layout, Op, Slot, Tape};
+use crate::numeric::linear::DenseLu;
 use crate::symbolic::partial;
 
-mod factors;
 pub mod forcing;
 pub mod outputs;
 
-use self::factors::Factors;
 use super::frame::Frames;
 use super::input_signals::{DelayedSlots, InputSignals};
 use super::machine::{Fault, JUMP_LIMIT, Machine, compute};
@@ -206,16 +205,15 @@ impl Tangents {
         for e in &torn_block.jacobian {
             matrix[e.row as usize + n * e.column as usize] = machine.get(e.slot);
         }
-        let mut factors = Factors::of(n, &matrix, k)?;
+        let mut lu = DenseLu::new(n);
+        let factored = lu.factor(&matrix);
+        factored.map_err(|s| Fault::Singular { torn_block: k, unknown: s.column })?;
         let mut column = vec![0.0; n];
         for direction in 0..self.directions {
             for (c, slot) in column.iter_mut().zip(&torn_block.residuals) {
                 *c = -self.of(*slot)[direction];
             }
-            // An intermediate pass, whose values are no solution either, tolerates that there is none.
-            if !factors.solve_in_place(&mut column) && !machine.relaxed {
-                return Err(Fault::Singular { torn_block: k, unknown: n - 1 });
-            }
+            lu.solve_in_place(&mut column);
             for (c, slot) in column.iter().zip(&torn_block.slots) {
                 self.of_mut(*slot)[direction] = *c;
             }
@@ -231,7 +229,10 @@ impl Tangents {
         for e in &derivative.jacobian {
             matrix[e.row as usize + n * e.column as usize] = machine.get(e.slot);
         }
-        let mut factors = Factors::of(n, &matrix, derivative.torn_block as usize)?;
+        let mut lu = DenseLu::new(n);
+        let torn_block = derivative.torn_block as usize;
+        let factored = lu.factor(&matrix);
+        factored.map_err(|s| Fault::Singular { torn_block, unknown: s.column })?;
         let mut columns = vec![0.0; derivative.results.len()];
         for direction in 0..self.directions {
             columns.fill(0.0);
@@ -243,7 +244,7 @@ impl Tangents {
                     let z = machine.get(derivative.results[seed * n + e.column as usize]);
                     column[e.row as usize] -= self.of(e.slot)[direction] * z;
                 }
-                factors.solve_in_place(column);
+                lu.solve_in_place(column);
             }
             for (slot, value) in derivative.results.iter().zip(&columns) {
                 self.of_mut(*slot)[direction] = *value;
