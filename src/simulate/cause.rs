@@ -118,6 +118,11 @@ causes! {
             => ("`{relation}` changes faster than the steps: it may have been true or false for moments \
                  that no step saw"),
             help("shorten the steps with `--max-step`, to less than the shortest of these moments");
+        /// A sine or cosine of time has more periods than steps can follow.
+        warning MO0947 UnresolvedOscillation { periods: f64 }
+            => ("a sine or cosine of time has {periods:.3e} periods in this run, more than steps can follow: \
+                 events or pulses that depend on it may be missing"),
+            help("end the run earlier, or describe what the oscillation does on average");
         /// The method that was chosen for a run failed, and another one took its place.
         warning MO0942 OtherMethod { method: &'static str, failure: String }
             => ("these results are those of {method}, because the first run failed: {failure}"),

@@ -15,7 +15,11 @@ const MIN_RTOL: f64 = 1e-12;
 pub(super) const MIN_STEPS: f64 = 50.0;
 
 /// Options of the integrator for a model at its start.
-pub fn options(system: &HybridSystem<'_>, settings: &Settings, features: &TimeFeatures) -> Options {
+pub fn options(
+    system: &HybridSystem<'_>,
+    settings: &Settings,
+    features: &TimeFeatures<'_>,
+) -> Options {
     let program = system.machine.program;
     let nominals = program.layout.nominals.iter().map(|slot| {
         let size = system.machine.get(*slot).abs();

@@ -266,7 +266,7 @@ pub struct Simulation<'p, 's> {
     pub(super) clocks: Clocks,
     pub(super) selection: StateSelector,
     pub(super) locator: Locator,
-    pub(super) time_features: TimeFeatures,
+    pub(super) time_features: TimeFeatures<'p>,
     pub(super) recorder: Recorder,
     pub(super) statistics: Statistics,
     pub(super) start: f64,
@@ -410,7 +410,8 @@ impl<'p, 's> Simulation<'p, 's> {
                 .max_step(&machine.memory)
                 .max(MIN_STEP_FRACTION * (self.stop - self.start));
         let t_stop = instant.min(breakpoint).min(self.stop).min(self.limit).min(history_limit);
-        let t_stop = self.time_features.end_of_step(self.t, t_stop);
+        let (machine, event) = (&self.system.machine, instant.min(self.stop));
+        let t_stop = self.time_features.end_of_step(machine, self.t, t_stop, event);
         let mut reached = self.step(t_stop)?;
         let mut switched = self.first_switch()?;
         if self.system.left_domain && switched.is_none() && self.has_left_the_domain() {
@@ -454,7 +455,7 @@ impl<'p, 's> Simulation<'p, 's> {
         }
     }
 
-    /// Warns of relations that may have changed unseen.
+    /// Warns of relations that may have changed unseen, and of oscillations that no step followed.
     fn warn_of_unresolved_relations(&mut self) {
         let found: Vec<u32> = self.locator.unresolved().collect();
         for k in found {
@@ -462,6 +463,10 @@ impl<'p, 's> Simulation<'p, 's> {
             let cause = RunCause::UnresolvedRelation { relation };
             let span = self.relation_span(k);
             self.statistics.warnings.push(Diagnostic::new(cause, span));
+        }
+        if let Some(periods) = self.time_features.unresolved_periods {
+            let cause = RunCause::UnresolvedOscillation { periods };
+            self.statistics.warnings.push(Diagnostic::new(cause, Span::NONE));
         }
     }
 
@@ -639,6 +644,7 @@ impl<'p, 's> Simulation<'p, 's> {
 
     pub(super) fn restart(&mut self) -> Result<(), Failure> {
         self.locator.forget_samples();
+        self.time_features.after_event();
         let started =
             self.stepper.restart(&mut self.system, self.t, &self.y, JacobianMemory::Forget);
         started.map_err(|e| of_integration(&self.system.machine, e, self.t))

@@ -238,7 +238,9 @@ impl Locator {
         }
         self.slope_looks += 1;
         let next = indicators(&system.machine);
-        for (k, count) in self.relations.iter().zip(&mut self.fast) {
+        let ignored = self.ignored;
+        let looked_at = self.relations.iter().zip(&mut self.fast);
+        for (k, count) in looked_at.filter(|(k, _)| ignored != Some(**k)) {
             let (g, h) = (self.start[*k as usize], next[*k as usize]);
             let foretold = ((h - g) / SLOPE_FRACTION).abs();
             *count += u32::from(self.samples.is_outrun(*k, g, foretold / FAST));
@@ -248,7 +250,10 @@ impl Locator {
 
     fn count_restless(&mut self) {
         self.looks += 1;
-        for (k, count) in self.relations.iter().zip(&mut self.restless) {
+        // Along its threshold, a relation stays as it is, and its indicator is rounding.
+        let ignored = self.ignored;
+        let looked_at = self.relations.iter().zip(&mut self.restless);
+        for (k, count) in looked_at.filter(|(k, _)| ignored != Some(**k)) {
             *count += u32::from(self.samples.is_restless(*k));
         }
     }

@@ -29,3 +29,16 @@ equation
   //@ error[MO0933] 3-30
   der(v) = -sign(v) + 0.2*time;
 end Block;
+
+//@ case sliding_without_a_warning
+// On the surface, x decays as exp(-2 t) from where it is reached: no event is missed there, and nothing is warned of.
+model Surface
+  Real v(start = 1, fixed = true);
+  Real x(start = 0, fixed = true);
+  Real s = x + 0.5*v;
+equation
+  der(x) = v;
+  der(v) = -3*(if s > 0 then 1 else -1) + 0.5*sin(3*time);
+  annotation(experiment(StopTime = 10, Interval = 0.5));
+end Surface;
+//@ expect each x + 0.5*v = 0 where time > 2 abs 1e-5

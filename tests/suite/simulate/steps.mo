@@ -259,3 +259,99 @@ end Limited;
 // A lag behind a ramp that begins at 0.7 s.
 //@ expect x = 0.2 + 0.05*(1 - exp(-0.3/0.05)) abs 1e-6
 //@ expect each x < u + 0.05 where time > 0.7
+
+//@ case rectified_sine
+// A thousand periods: the half wave has the mean 1/pi.
+model Rectified
+  Real x(start = 0, fixed = true);
+  Real y(start = 0, fixed = true);
+  Real z(start = 0, fixed = true);
+equation
+  der(x) = max(0, sin(2*3.141592653589793*50*time));
+  der(y) = abs(cos(2*3.141592653589793*50*time));
+  der(z) = noEvent(if sin(2*3.141592653589793*50*time) > 0 then 1 else 0);
+end Rectified;
+//@ run stop=20
+//@ expect x = 20/pi rel 1e-5
+//@ expect y = 40/pi rel 1e-5
+//@ expect z = 10 rel 1e-3
+//@ run stop=20 method=radau
+//@ expect x = 20/pi rel 1e-5
+//@ run stop=20 method=bdf tolerance=1e-7
+//@ expect x = 20/pi rel 1e-4
+//@ run stop=2
+//@ expect x = 2/pi rel 1e-5
+
+//@ case many_smooth_pulses
+// The integral over a period is the central binomial coefficient of 200 over 2^200, times the period.
+model Pulses
+  Real z(start = 0, fixed = true);
+equation
+  der(z) = cos(3.141592653589793*time)^200;
+end Pulses;
+//@ let factor(n) = if n < 1 then 1 else (2*n - 1)/(2*n)*factor(n - 1)
+//@ run stop=1000 tolerance=1e-8
+//@ expect z = 1000*factor(100) rel 1e-4
+//@ run stop=10
+//@ expect z = 10*factor(100) rel 1e-4
+
+//@ case pulses_after_events
+// The pulses are narrower than a five-hundredth of the time between the events that `mod` causes.
+model Train
+  Real s = exp(-((mod(time, 0.5) - 0.25)/1e-3)^2);
+  Real x(start = 0, fixed = true);
+  Integer n(start = 0, fixed = true);
+equation
+  der(x) = s;
+  when s > 0.4 then
+    n = pre(n) + 1;
+  end when;
+end Train;
+//@ run stop=10
+//@ expect x = 20*1e-3*sqrt(pi) rel 1e-4
+//@ expect n = 20
+//@ run stop=100 method=radau
+//@ expect x = 200*1e-3*sqrt(pi) rel 1e-4
+//@ expect n = 200
+
+//@ case pulse_after_a_discrete_instant
+model Fired
+  discrete Real fired(start = -1, fixed = true);
+  Real s = exp(-((time - fired - 0.3)/1e-3)^2);
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = s;
+  when sample(1, 2) then
+    fired = time;
+  end when;
+end Fired;
+//@ run stop=8
+//@ expect x = 4*1e-3*sqrt(pi) rel 1e-4
+
+//@ case many_narrow_pulses
+// Two pulses a period of the sine.
+model Narrow
+  Real c = exp(-(sin(6.283185307179586*time + 1)/1e-3)^2);
+  Integer m(start = 0, fixed = true);
+equation
+  when c > 0.4 then
+    m = pre(m) + 1;
+  end when;
+end Narrow;
+//@ run stop=10
+//@ expect m = 20
+//@ run stop=1000
+//@ expect m = 2000
+
+//@ case fast_burst_in_a_long_run
+// 100 Hz for five seconds, in a run of 3 h.
+model Burst
+  Integer n(start = 0, fixed = true);
+  Real s = if time < 5 then sin(2*3.141592653589793*100*time + 0.5) else 0.3;
+equation
+  when s > 0.4 then
+    n = pre(n) + 1;
+  end when;
+end Burst;
+//@ run stop=10000
+//@ expect n = 500
