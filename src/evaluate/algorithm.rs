@@ -6,6 +6,7 @@ use super::Evaluator;
 use super::cause::array::ArrayCause;
 use super::cause::call::CallCause;
 use super::cause::name::NameCause;
+use super::cause::types::TypeCause;
 use super::implicit_ranges::Body;
 use super::random_draw::Place;
 use super::reference::Selection;
@@ -377,11 +378,30 @@ impl Evaluator<'_> {
             return None;
         }
         let mode = self.mode.reading();
-        let selection = self.with_mode(mode, |cx| cx.select_target(target, scope));
+        let selection = self.with_mode(mode, |cx| cx.select_target(target, scope))?;
+        let mut value = value;
+        if value.has_records() {
+            let old = self.with_mode(mode, |cx| cx.selection_value(&selection, target.span))?;
+            value = self.in_order_of(value, &old, target.span)?;
+        }
         // Records are taken apart in the order of their fields, as the variables are.
         let mut scalars = Vec::new();
         value.for_each_scalar(&mut |e| scalars.push(e));
-        self.assign_selected(&selection?, &scalars, target.span)
+        self.assign_selected(&selection, &scalars, target.span)
+    }
+
+    /// A value with the fields of its records in the order of those of what it is assigned to.
+    fn in_order_of(&mut self, value: Value, old: &Value, span: Span) -> Option<Value> {
+        if !value.has_records() {
+            return Some(value);
+        }
+        match value.ordered_as(old) {
+            Ok(ordered) => Some(ordered),
+            Err(name) => {
+                self.report(TypeCause::MissingField { name }, span);
+                None
+            }
+        }
     }
 
     /// The scalar variables of a selection, row-major.
@@ -444,7 +464,7 @@ impl Evaluator<'_> {
         let (part, rest) = parts.split_first()?;
         if part.subscripts.is_empty() {
             let Some(next) = rest.first() else {
-                return Some(value);
+                return self.in_order_of(value, old, span);
             };
             let Value::Record(record) = old else {
                 self.report(NameCause::NotARecord { name: part.name.name }, span);

@@ -417,10 +417,12 @@ impl Evaluator<'_> {
             {
                 return Some(Value::Scalar(self.graph.der(x)));
             }
-            let nodes = self.graph.postorder([e]);
-            if nodes.into_iter().any(|n| matches!(self.graph.node(n), Node::Der(_))) {
+            if self.graph.any([e], |_, node| matches!(node, Node::Der(_))) {
                 self.unsupported(span, Construct::SecondDerivative);
                 return None;
+            }
+            if self.graph.any([e], |_, node| matches!(node, Node::Call { .. })) {
+                return self.derivative_of_calls(e, span).map(Value::Scalar);
             }
             let continuous: Vec<VarId> = self
                 .graph

@@ -38,6 +38,8 @@ pub(crate) enum Synthetic {
     Condition(ExprId, Span),
     /// The value that one when-statement of several gives a variable.
     Assigned(Type, Span),
+    /// An expression with calls of functions whose derivative is read.
+    Derived(ExprId, Span),
 }
 
 /// An expression that is delayed by a time that stays.
@@ -137,6 +139,18 @@ impl Evaluator<'_> {
         Some(())
     }
 
+    /// The derivative of an expression with calls of functions: that of a variable, as functions have derivatives in the
+    /// equations of index reduction only.
+    pub(crate) fn derivative_of_calls(&mut self, value: ExprId, span: Span) -> Option<ExprId> {
+        self.check_recordable(&[value], span)?;
+        let same = |m: &Synthetic| matches!(m, Synthetic::Derived(e, _) if *e == value);
+        let v = match self.history.synthetic.iter().position(same) {
+            Some(k) => self.synthetic_variable(k),
+            None => self.make(Synthetic::Derived(value, span)),
+        };
+        Some(self.graph.der(v))
+    }
+
     /// A variable after all others.
     pub(crate) fn make(&mut self, made: Synthetic) -> VarId {
         self.history.synthetic.push(made);
@@ -154,7 +168,9 @@ impl Evaluator<'_> {
                 | Synthetic::Condition(..)
                 | Synthetic::Assigned(..),
             ) => Variability::Discrete,
-            Some(Synthetic::Delay(_) | Synthetic::InStream(_)) | None => Variability::Continuous,
+            Some(Synthetic::Delay(_) | Synthetic::InStream(_) | Synthetic::Derived(..)) | None => {
+                Variability::Continuous
+            }
         }
     }
 

@@ -379,7 +379,7 @@ impl Evaluator<'_> {
         self.selection_value(&selection?, span)
     }
 
-    fn selection_value(&mut self, selection: &Selection, span: Span) -> Option<Value> {
+    pub(super) fn selection_value(&mut self, selection: &Selection, span: Span) -> Option<Value> {
         match selection {
             Selection::Whole(id) => self.instance_value(*id, span),
             Selection::Element(id, k) => self.variable_element(*id, *k, span).map(Value::Scalar),

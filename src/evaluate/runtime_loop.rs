@@ -72,11 +72,12 @@ impl Evaluator<'_> {
         let span = first.range.as_ref().map_or(first.name.span, |r| r.span);
         // The iterator is computed from the number of the iteration: a sum of steps would
         // accumulate rounding errors.
-        let counter = crate::base::name::name("$iteration");
+        let at = self.frames.visible().len();
+        // Named by its position: a loop around this one has another counter, which this loop leaves as it is.
+        let counter = crate::base::name::name(&format!("$iteration{at}"));
         let mut names: FastSet<Name> = std::iter::once(counter).collect();
         super::implicit_ranges::assigned(body, &mut names);
         let zero = Value::Scalar(self.graph.integer(0));
-        let at = self.frames.visible().len();
         let done = self.with_local(counter, zero, |cx| {
             cx.loop_as_function(&names, span, |cx| {
                 let iteration = cx.frames.visible()[at].1.scalar()?;

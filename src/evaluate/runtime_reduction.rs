@@ -41,11 +41,12 @@ impl Evaluator<'_> {
             return Some(None);
         };
         let Some(range) = self.open_range(first, scope)? else { return Some(None) };
-        let (counter, result) = (name("$iteration"), name("$reduction"));
+        // Named by their position: a loop around this one has others, which this one leaves as they are.
+        let at = self.frames.visible().len();
+        let [counter, result] = ["iteration", "reduction"].map(|of| name(&format!("${of}{at}")));
         let names: FastSet<Name> = [counter, result].into_iter().collect();
         let zero = Value::Scalar(self.graph.integer(0));
         let empty = Value::Scalar(empty);
-        let at = self.frames.visible().len();
         let reduced = self.with_local(counter, zero, |cx| {
             cx.with_local(result, empty, |cx| {
                 cx.loop_as_function(&names, span, |cx| {

@@ -1,4 +1,5 @@
-//! Introduces variables for operators with history: `delay`, `spatialDistribution`, random numbers.
+//! Introduces variables for operators with history, `delay`, `spatialDistribution`, random numbers, and for expressions
+//! whose derivative is read.
 
 use super::variable::add_synthetic;
 use crate::base::index::FastMap;
@@ -27,6 +28,9 @@ pub fn elaborate(cx: &mut Evaluator<'_>, flat: &mut FlatModel) {
                 let name = format!("$delay{}", flat.delays.len() + 1);
                 let variable = defined(cx, flat, name, delay.value, delay.span);
                 flat.delays.push(Delay { variable, time: delay.time, span: delay.span });
+            }
+            Synthetic::Derived(value, span) => {
+                defined(cx, flat, format!("$derived{}", k + 1), value, span);
             }
             Synthetic::InStream(stream) => super::connect::streams::add_variable(flat, stream),
             Synthetic::Condition(condition, span) => {

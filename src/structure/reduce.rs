@@ -155,11 +155,13 @@ fn equations(rows: &[Row]) -> Vec<EqId> {
 fn calls_a_function(dae: &Dae, residual: ExprId) -> bool {
     let nodes = dae.graph.postorder([residual]);
     let calls = nodes.into_iter().filter(|e| matches!(dae.graph.node(*e), Node::Call { .. }));
-    let mut arguments = FastSet::default();
-    for call in calls {
-        arguments.extend(dae.graph.variables(call));
-    }
-    arguments.into_iter().any(|v| is_continuous(dae, v))
+    // A call whose arguments change at events only is constant between them.
+    let varies = |_, node| match node {
+        Node::Var(v) | Node::Der(v) => is_continuous(dae, v),
+        Node::Time | Node::Recorded(..) => true,
+        _ => false,
+    };
+    dae.graph.any(calls, varies)
 }
 
 /// The kinds of the partial derivatives of the equations that were differentiated.

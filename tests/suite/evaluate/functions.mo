@@ -382,3 +382,58 @@ package Curves
   end User;
 end Curves;
 //@ expect y[1], y[2], y[3] = 5, 10, 15
+
+//@ case records_are_assigned_by_name
+model ByName
+  record R
+    Real a;
+    Real b;
+  end R;
+  record S
+    Real b;
+    Real a;
+  end S;
+  function turned
+    input S s;
+    output R r;
+    output Real y = 3;
+  algorithm
+    r := s;
+  end turned;
+  S s(a = 1, b = 2);
+  S several[2] = {S(b = 20, a = 10), S(b = 40, a = 30)};
+  R r, q, t, all[2], u;
+  discrete R w;
+  Real y;
+algorithm
+  r := s;
+  all := several;
+  (u, y) := turned(s);
+equation
+  q = s;
+  t = turned(s);
+  when time > 0.5 then
+    w = s;
+  end when;
+  annotation(experiment(StopTime = 1));
+end ByName;
+//@ expect r.a, r.b, q.a, q.b, t.a, t.b, u.a, u.b = 1, 2, 1, 2, 1, 2, 1, 2
+//@ expect all[1].a, all[1].b, all[2].a, all[2].b = 10, 20, 30, 40
+//@ expect w.a, w.b = 1, 2
+
+//@ case record_without_a_field_is_assigned
+model Lacks
+  record R
+    Real a;
+    Real b;
+  end R;
+  record S
+    Real a;
+    Real c;
+  end S;
+  S s(a = 1, c = 2);
+  R r;
+algorithm
+  //@ error[MO1221] 3-4
+  r := s;
+end Lacks;

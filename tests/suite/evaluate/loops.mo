@@ -449,3 +449,34 @@ equation
 end M;
 // Each of 40 iterations adds 0.5 to the largest value so far.
 //@ expect each y = 2 + time + 20 abs 1e-9
+
+//@ case loops_in_a_loop_in_a_loop
+// The trip counts are known at run time only, and the loop in the `while` has an iterator of its own.
+model Nested
+  function f
+    input Integer n;
+    output Real y = 0;
+  protected
+    Integer j = 2, w = 0;
+  algorithm
+    for k1 in 1:mod(n, 4) loop
+      while j < min(k1, n) and w < 5 loop
+        w := w + 1;
+        for k5 in -1:n loop
+          j := k5;
+        end for;
+      end while;
+      for k6 in -1:n loop
+        y := y + 1;
+      end for;
+    end for;
+  end f;
+  Real y = f(integer(4*time + 1.5));
+  Real z = sum(sum(i*k for k in 1:integer(i + time)) for i in 1:integer(3 + time));
+end Nested;
+// f(5) goes through the outer loop once; the inner sums are i*i*(i + 1)/2 at 0 s, with i + 1 terms and a fourth i at 1 s.
+//@ run stop=1
+//@ expect y at start = 3
+//@ expect y = 7
+//@ expect z at start = 1 + 6 + 18
+//@ expect z = 3 + 12 + 30 + 60
