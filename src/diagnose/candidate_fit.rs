@@ -6,6 +6,7 @@ use crate::calibrate::plan::Plan;
 use crate::calibrate::problem::Problem;
 use crate::numeric::least_squares;
 
+use super::backward_elimination::eliminated;
 use super::hypothesis::{ChosenEffect, Hypothesis, attach};
 use super::place::Place;
 use super::policy::SearchPolicy;
@@ -199,6 +200,10 @@ impl CandidateFits<'_> {
             Some(better) => better,
             None => from(hypothesis, full)?,
         };
+        // At several places, those of which the recordings say nothing would reject all of them.
+        if better.is_at_several_places() && !better.is_determined(self.search.study) {
+            better = eliminated(self.search, better);
+        }
         better.is_complete_fit = true;
         self.note(&format!("fitted {}", self.label(&better)), &better);
         Some(better)

@@ -167,6 +167,11 @@ impl Hypothesis {
         self.effects.iter().all(|c| study.effects[c.effect].amplitudes.iter().all(|a| finite(c, a)))
     }
 
+    /// True if one of its effects acts at several places.
+    pub fn is_at_several_places(&self) -> bool {
+        self.effects.windows(2).any(|pair| pair[0].group == pair[1].group)
+    }
+
     /// True if the data support it instead of another: the criterion over all recordings is lower by
     /// the policy's evidence, those that were never fitted are described better, and every amplitude is
     /// determined.

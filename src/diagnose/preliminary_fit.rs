@@ -5,6 +5,8 @@
 //! the calibrated parameters or from those of the plan, and the best of them get more (successive halving: K. Jamieson,
 //! A. Talwalkar, *Non-stochastic best arm identification and hyperparameter optimization*, AISTATS 2016).
 
+use std::ops::Range;
+
 use crate::base::diag::Problems;
 use crate::calibrate::fit;
 use crate::calibrate::parallel;
@@ -15,6 +17,7 @@ use crate::numeric::least_squares::Residuals;
 use super::candidate_fit::{CandidateFits, amplitudes, best_start};
 use super::hypothesis::{ChosenEffect, Hypothesis, attach, attached};
 use super::linearise::surplus;
+use super::place::Place;
 use super::rank::Scored;
 use super::search::Search;
 use super::study::Study;
@@ -31,25 +34,38 @@ pub fn with_preliminary_fits(
     if from.chi2_train() < policy.large_effect_above || !search.may_continue() {
         return proposals;
     }
+    let all: Vec<Vec<Scored>> = proposals.iter().cloned().chain(others).collect();
     let mut candidates: Vec<Vec<Scored>> = Vec::new();
-    for p in proposals.iter().cloned().chain(others) {
-        let is_known = candidates.iter().any(|known| is_same(known, &p) || promises_as(known, &p));
+    for p in &all {
+        let is_known = candidates.iter().any(|known| is_same(known, p) || promises_as(known, p));
         let is_named = p.iter().all(|s| search.study.is_named(s.effect));
         if is_named && !is_known && candidates.len() < policy.preliminary_fits {
-            candidates.push(p);
+            candidates.push(p.clone());
         }
     }
+    let named = candidates.len();
+    candidates.extend(variations(search.study, &all));
     let mut fits = PreliminaryFits::new(search, from, &candidates);
-    fits.advance(search, candidates.len());
-    fits.advance(search, candidates.len() / HALVING);
+    let kinds = [0..named, named..candidates.len()];
+    fits.advance(search, &[0..candidates.len()], 1);
+    fits.advance(search, &kinds, HALVING);
     let left = fits.shares_left();
     // Those that leave about the same, or nothing but noise, stay in the order of their scores.
     let noise = 1.0 / from.chi2_train();
     let size = |k: usize| (left[k].max(noise) / noise).ln() / EQUAL.ln();
-    let mut order: Vec<usize> = (0..candidates.len()).collect();
-    order.sort_by(|a, b| size(*a).floor().total_cmp(&size(*b).floor()));
+    let by_size = |range: Range<usize>| {
+        let mut order: Vec<usize> = range.collect();
+        order.sort_by(|a, b| size(*a).floor().total_cmp(&size(*b).floor()));
+        order
+    };
+    let mut order = by_size(0..named);
+    order.truncate(policy.preferred_preliminary_fits);
+    // A parameter that varies names nothing: it is worth a fit if it leaves less than any law that has a name.
+    let least = order.first().map_or(f64::INFINITY, |k| size(*k).floor());
+    let varying = by_size(named..candidates.len()).into_iter().take(PREFERRED_VARIATIONS);
+    order.extend(varying.filter(|k| size(*k).floor() < least));
     let mut out: Vec<Vec<Scored>> = Vec::new();
-    for k in order.into_iter().take(policy.preferred_preliminary_fits) {
+    for k in order {
         let label = |s: &Scored| search.study.label(s.effect, &s.place);
         let labels: Vec<String> = candidates[k].iter().map(label).collect();
         let (labels, share) = (labels.join(" and "), 100.0 * left[k]);
@@ -61,6 +77,27 @@ pub fn with_preliminary_fits(
     let is_preferred = |p: &Vec<Scored>| out.iter().any(|known| is_same(known, p));
     let rest: Vec<Vec<Scored>> = proposals.into_iter().filter(|p| !is_preferred(p)).collect();
     out.extend(rest);
+    out
+}
+
+/// The laws, but no curves, by which parameters vary, at the places where one of them promises most. A straight line and a
+/// power that grows a hundredfold promise much the same, and only fits tell them apart.
+fn variations(study: &Study, all: &[Vec<Scored>]) -> Vec<Vec<Scored>> {
+    let is_law = |s: &&Scored| study.effects[s.effect].is_variation() && !study.is_curve(s.effect);
+    let laws = || all.iter().filter_map(|p| p.first().filter(|_| p.len() == 1)).filter(is_law);
+    let mut places: Vec<&Place> = Vec::new();
+    let mut out: Vec<Vec<Scored>> = Vec::new();
+    for s in laws() {
+        if !places.iter().any(|known| known.is_same_over(&s.place)) {
+            places.push(&s.place);
+        }
+    }
+    places.truncate(VARIED_PLACES);
+    for s in laws().filter(|s| places.iter().any(|place| place.is_same_over(&s.place))) {
+        if !out.iter().any(|known| known[0].is_same(s)) {
+            out.push(vec![s.clone()]);
+        }
+    }
     out
 }
 
@@ -76,6 +113,10 @@ fn promises_as(a: &[Scored], b: &[Scored]) -> bool {
 
 /// Candidates of which one leaves at most this many times as much as another leave about the same.
 const EQUAL: f64 = 2.0;
+/// Sets of parameters, each with a variable, at which laws of parameters that vary get a preliminary fit.
+const VARIED_PLACES: usize = 8;
+/// Of these laws, the ones that are fitted first.
+const PREFERRED_VARIATIONS: usize = 2;
 /// Of so many candidates, one is continued after the first steps.
 const HALVING: usize = 4;
 
@@ -114,12 +155,16 @@ impl<'a> PreliminaryFits<'a> {
         self.fits.iter().map(|f| f.left).collect()
     }
 
-    /// A few steps of the best `count`.
-    fn advance(&mut self, search: &Search<'_>, count: usize) {
+    /// A few steps of the best of each kind, one of `among`.
+    fn advance(&mut self, search: &Search<'_>, kinds: &[Range<usize>], among: usize) {
         let left = self.shares_left();
-        let mut order: Vec<usize> = (0..self.fits.len()).collect();
-        order.sort_by(|a, b| left[*a].total_cmp(&left[*b]));
-        order.truncate(count);
+        let best = |kind: &Range<usize>| {
+            let mut order: Vec<usize> = kind.clone().collect();
+            order.sort_by(|a, b| left[*a].total_cmp(&left[*b]));
+            order.truncate(kind.len().div_ceil(among));
+            order
+        };
+        let order: Vec<usize> = kinds.iter().flat_map(best).collect();
         let one = |k: usize| self.fits[order[k]].advanced(self.study, self.from);
         let cores = parallel::cores();
         let all = parallel::map_while(cores, order.len(), || !search.is_cancelled(), one);
