@@ -8,6 +8,7 @@ mod background;
 mod derivative;
 mod error;
 mod model;
+mod own_rows;
 mod run;
 mod study;
 mod sweep;
