@@ -16,6 +16,7 @@ use mocc::ir::dae::{Variable, VariableKind};
 use mocc::ir::expr::{Type, VarId};
 use mocc::ir::flat::Experiment;
 use mocc::ir::program::Program;
+use mocc::ir::trajectory::Column;
 use mocc::numeric::time_series::{Interpolation, TimeSeries};
 use mocc::runtime::jit::tiering::Execution;
 use mocc::runtime::machine::Machine;
@@ -66,12 +67,24 @@ pub struct Compiled {
     pub sources: SourceMap,
     runs: AtomicU64,
     execution: OnceLock<Execution>,
+    columns: OnceLock<Arc<Vec<Column>>>,
 }
 
 impl Compiled {
     /// A program that has not run.
     pub fn new(program: Program, sources: SourceMap) -> Compiled {
-        Compiled { program, sources, runs: AtomicU64::new(0), execution: OnceLock::new() }
+        Compiled {
+            program,
+            sources,
+            runs: AtomicU64::new(0),
+            execution: OnceLock::new(),
+            columns: OnceLock::new(),
+        }
+    }
+
+    /// The recorded variables, which all runs share.
+    pub fn columns(&self) -> Arc<Vec<Column>> {
+        Arc::clone(self.columns.get_or_init(|| Arc::new(columns(&self.program))))
     }
 
     /// How the next run is executed; results do not depend on it.

@@ -20,6 +20,7 @@ use crate::arrow;
 use crate::background::PERIOD;
 use crate::error::{Kind as Wrong, Trouble};
 use crate::model::Compiled;
+use crate::own_rows::OwnRows;
 use crate::values::Values;
 
 /// Name, unit, display unit, description and kind of a column.
@@ -30,7 +31,7 @@ type Happened = (f64, String, String);
 /// The rows and events of a run.
 #[pyclass(frozen)]
 pub struct Run {
-    columns: Vec<Column>,
+    columns: Arc<Vec<Column>>,
     time: Arc<Vec<f64>>,
     data: Vec<Arc<Vec<f64>>>,
     events: Vec<Event>,
@@ -137,7 +138,7 @@ impl Run {
         };
         let event = |(time, what, place): Happened| Event { time, what, place };
         Run {
-            columns: columns.into_iter().map(column).collect(),
+            columns: Arc::new(columns.into_iter().map(column).collect()),
             time: Arc::new(numbers(time.as_bytes())),
             data: places.into_iter().filter_map(|k| vectors.get(k).cloned()).collect(),
             events: events.into_iter().map(event).collect(),
@@ -146,13 +147,18 @@ impl Run {
 }
 
 impl Run {
-    fn new(trajectory: Trajectory) -> Run {
-        let Trajectory { columns, time, data, events, .. } = trajectory;
+    /// A run of these columns and rows.
+    pub fn new(
+        columns: Arc<Vec<Column>>,
+        time: Vec<f64>,
+        data: Vec<Arc<Vec<f64>>>,
+        events: Vec<Event>,
+    ) -> Run {
         Run { columns, time: Arc::new(time), data, events }
     }
 
     fn trajectory(&self) -> Trajectory {
-        let mut run = Trajectory::new(self.columns.clone());
+        let mut run = Trajectory::new(self.columns.to_vec());
         run.time = self.time.to_vec();
         run.data.clone_from(&self.data);
         run.events.clone_from(&self.events);
@@ -169,8 +175,9 @@ pub fn simulate<'py>(
 ) -> PyResult<Bound<'py, PyTuple>> {
     let Compiled { program, sources, .. } = compiled;
     let mut recording = Recording {
-        trajectory: Trajectory::default(),
-        right_limits,
+        rows: OwnRows::new(right_limits),
+        has_begun: false,
+        events: Vec::new(),
         printed: Vec::new(),
         printout: Printout::new(Path::new(""), &[]),
         looked: Instant::now(),
@@ -180,7 +187,10 @@ pub fn simulate<'py>(
     if let Some(raised) = recording.raised {
         return Err(raised);
     }
-    let run = Run::new(recording.trajectory);
+    let run = match recording.has_begun {
+        true => recording.rows.run(compiled.columns(), recording.events),
+        false => OwnRows::default().run(Arc::default(), Vec::new()),
+    };
     let statistics = match outcome {
         Ok(statistics) => statistics,
         Err(failure) => {
@@ -222,9 +232,9 @@ fn facts<'py>(py: Python<'py>, s: &Statistics) -> PyResult<Bound<'py, PyDict>> {
 
 /// Keeps all rows, and looks at the signals of the process from time to time.
 struct Recording {
-    trajectory: Trajectory,
-    /// Of the rows of an event only the last is kept.
-    right_limits: bool,
+    rows: OwnRows,
+    has_begun: bool,
+    events: Vec<Event>,
     printed: Vec<String>,
     /// New files of the model, in the working directory.
     printout: Printout,
@@ -234,32 +244,30 @@ struct Recording {
 }
 
 impl Sink for Recording {
-    fn begin(&mut self, columns: Vec<Column>) {
-        self.trajectory.begin(columns);
+    fn begin(&mut self, _: Vec<Column>) {
+        self.has_begun = true;
+    }
+    fn wants_columns(&self) -> bool {
+        false
     }
     fn expect(&mut self, rows: usize) {
-        self.trajectory.expect(rows);
+        self.rows.expect(rows);
     }
     fn wants_constants(&self) -> bool {
         false
     }
     fn row(&mut self, time: f64, values: &[f64]) {
-        self.trajectory.row(time, values);
+        self.rows.row(time, values);
     }
     fn column_storage(&mut self, storage: Vec<ColumnStorage>) -> bool {
-        self.trajectory.column_storage(storage)
+        self.rows.storage(storage);
+        true
     }
     fn own_columns(&mut self, times: &[f64], values: &[f64], stride: usize) {
-        self.trajectory.own_columns(times, values, stride);
-    }
-    fn end(&mut self) {
-        if self.right_limits {
-            self.trajectory.keep_right_limits();
-        }
-        self.trajectory.end();
+        self.rows.own_columns(times, values, stride);
     }
     fn event(&mut self, event: Event) {
-        self.trajectory.event(event);
+        self.events.push(event);
     }
     fn print(&mut self, line: &str, file: &str) {
         if file.is_empty() {

@@ -16,9 +16,8 @@ causes! {
     /// Causes found in any TOML file.
     pub enum TomlCause {
         /// A plan, or a file of tests or settings, is not a TOML file.
-        error MO1400 NotToml { why: String }
-            => ("not a TOML file: {why}"),
-            help("strings are in quotes, lists in brackets; the guide of the command shows complete files");
+        error MO1400 NotToml { why: String, is_model: bool }
+            => ("not a TOML file: {why}"), remedy(Some(not_toml(*is_model).to_owned()));
         /// A required key of a plan or test is missing.
         error MO1401 MissingKey { key: String }
             => ("`{key}` is missing"), remedy(Some(addition(key)));
@@ -54,7 +53,8 @@ pub fn read<T>(
         Ok(root) => root,
         Err(why) => {
             let span = why.span().unwrap_or(0..0);
-            let cause = TomlCause::NotToml { why: why.message().to_owned() };
+            let (why, is_model) = (why.message().to_owned(), is_modelica(text));
+            let cause = TomlCause::NotToml { why, is_model };
             problems.push(Diagnostic::new(cause, Span::new(file, span.start, span.end)));
             return None;
         }
@@ -240,6 +240,24 @@ impl Reader<'_> {
     }
 }
 
+fn not_toml(is_model: bool) -> &'static str {
+    match is_model {
+        true => "this is a model, not a plan: `mocc plan MODEL RECORDINGS` writes one for it",
+        false => {
+            "strings are in quotes, lists in brackets; the guide of the command shows complete files"
+        }
+    }
+}
+
+/// Whether a text begins as a Modelica file does.
+fn is_modelica(text: &str) -> bool {
+    let mut lines = text.lines().map(str::trim);
+    let first = lines.find(|line| !line.is_empty() && !line.starts_with("//"));
+    let mut words = first.unwrap_or_default().split_whitespace();
+    let opening = ["model", "package", "within", "block", "class", "partial", "encapsulated"];
+    words.next().is_some_and(|word| opening.contains(&word)) && words.next() != Some("=")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -272,5 +290,6 @@ mod tests {
             ]
         );
         assert!(messages("name = ")[0].starts_with("MO1400 not a TOML file"));
+        assert!(is_modelica("// A tank.\nwithin Plant;\n") && !is_modelica("model = \"tank.mo\""));
     }
 }

@@ -17,6 +17,10 @@ causes! {
         error MO1047 UnitOfVariable { name: String, declared: String, given: String }
             => ("`{name}` is in `{declared}`, but the column in `{given}`"),
             help("correct the unit, or name the variable that the column measures");
+        /// A column counts events where its variable measures an angle, or the other way round.
+        error MO1051 ATurnApart { name: String, declared: String }
+            => ("`{name}` is in `{declared}`, and a turn lies between it and the unit of the column"),
+            help("`Hz` and `1/min` count events, `rad/s`, `rev/s` and `rpm` measure an angle: a turn each second is 2 pi rad/s; give the unit that the column means");
         /// A variable is not declared in an SI unit.
         error MO1048 NotInSi { name: String, declared: String, si: String }
             => ("`{name}` is in `{declared}`, but columns are converted to SI units"),

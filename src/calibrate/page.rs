@@ -13,6 +13,8 @@ use super::table::{remark, rmse_shown, shown};
 const NOTICEABLE: f64 = 1.1;
 /// Correlations of smaller magnitude are shown pale.
 const PALE: f64 = 0.3;
+/// Opacity of the ground of a correlation of 1, on which text of either colour scheme can be read.
+const DEPTH: f64 = 0.6;
 
 /// Width of the picture of an interval, px.
 const WIDTH: f64 = 190.0;
@@ -81,21 +83,21 @@ fn key_figures(found: &Calibration, seconds: f64) -> Vec<(String, String)> {
 }
 
 fn parameters(found: &Calibration, out: &mut String) {
-    out.push_str("<table><tr><th>parameter</th><th>value</th><th>std. error</th>");
-    out.push_str("<th>95 % interval</th><th class=\"l\">unit</th><th>start</th>");
+    out.push_str("<table><tr><th>parameter</th><th>value</th><th class=\"l\">unit</th>");
+    out.push_str("<th>std. error</th><th>95 % interval</th><th>start</th>");
     out.push_str(
         "<th class=\"l\">start / 2 &hellip; start &middot; 2</th><th class=\"l\"></th></tr>\n",
     );
     for e in &found.estimates {
         out.push_str(&format!(
-            "<tr><td><code>{}</code></td><td><b>{}</b></td><td>{}</td><td>{}</td>\
-             <td class=\"l\">{}</td><td>{}</td><td class=\"range\">{}</td>\
+            "<tr><td><code>{}</code></td><td><b>{}</b></td><td class=\"l\">{}</td><td>{}</td>\
+             <td>{}</td><td>{}</td><td class=\"range\">{}</td>\
              <td class=\"l note\">{}</td></tr>\n",
             escaped(&e.name),
             shown(e.value, e.error),
+            escaped(&e.unit),
             shown(e.error, 10.0 * e.error),
             found.interval_shown(e),
-            escaped(&e.unit),
             shown(e.start, 0.0),
             range(e),
             remark(e),
@@ -143,7 +145,7 @@ fn range(e: &Estimate) -> String {
 }
 
 fn quality(found: &Calibration, out: &mut String) {
-    out.push_str("<table><tr><th>rmse (reduced \u{3c7}\u{b2})</th>");
+    out.push_str("<table class=\"wraps\"><tr><th>rmse (reduced \u{3c7}\u{b2})</th>");
     for c in &found.channels {
         let (column, unit) = (escaped(&c.column), escaped(&c.unit));
         out.push_str(&format!("<th>{column}, {unit}</th>"));
@@ -185,10 +187,12 @@ fn correlations(found: &Calibration, out: &mut String) {
         out.push_str(&format!("<tr><td><code>{}</code></td>", escaped(&e.name)));
         for rho in row {
             let colour = if *rho < 0.0 { "213,94,0" } else { "0,114,178" };
-            let ink = if rho.abs() < PALE { "#99a" } else { "#1a1a1a" };
-            let depth = 0.75 * rho.abs();
+            let class = if rho.abs() < PALE { " class=\"sub\"" } else { "" };
+            let depth = DEPTH * rho.abs();
+            // Two digits of a small one are zero, without a sign.
+            let rho = if rho.abs() < 0.005 { 0.0 } else { *rho };
             out.push_str(&format!(
-                "<td style=\"background:rgba({colour},{depth:.2});color:{ink}\">{rho:.2}</td>"
+                "<td{class} style=\"background:rgba({colour},{depth:.2})\">{rho:.2}</td>"
             ));
         }
         out.push_str("</tr>\n");

@@ -220,10 +220,10 @@ fn matched<'f>(
     let mut best: Option<(u32, &Variable, String)> = None;
     for variable in flat.variables.iter().filter(|v| accepts(v)) {
         let declared = if variable.unit.is_empty() { "1" } else { &*variable.unit };
-        let own = Unit::of(declared);
-        let unit = match (&unit, own) {
-            (Some((name, unit)), Some(own)) if unit.dimension == own.dimension => name.clone(),
-            (None, Some(_)) => declared.to_owned(),
+        let is_known = Unit::of(declared).is_some();
+        let unit = match &unit {
+            Some((name, unit)) if is_known && unit.mismatch(declared).is_none() => name.clone(),
+            None if is_known => declared.to_owned(),
             _ => continue,
         };
         let rank = likeness(&base, variable);

@@ -1,7 +1,7 @@
 //! Units of recordings by name, with their conversion to SI units.
 
 use crate::units::dimension::Dimension;
-use crate::units::unit;
+use crate::units::unit::{self, Counted, counted, is_a_turn_apart};
 
 /// A value in SI units is `factor * value + offset`.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -12,6 +12,17 @@ pub struct Unit {
     pub offset: f64,
     /// What it measures.
     pub dimension: Dimension,
+    /// What it counts, if it is a rate and says so.
+    pub counted: Option<Counted>,
+}
+
+/// How a unit differs from that of a variable.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Mismatch {
+    /// It measures something else.
+    Dimension,
+    /// One counts events, the other measures an angle.
+    Turn,
 }
 
 /// Names and factors. Gauge pressures are relative to ambient.
@@ -79,7 +90,8 @@ const UNITS: [(&str, f64); 59] = [
 
 impl Unit {
     /// The second.
-    pub const SECOND: Unit = Unit { factor: 1.0, offset: 0.0, dimension: Dimension::TIME };
+    pub const SECOND: Unit =
+        Unit { factor: 1.0, offset: 0.0, dimension: Dimension::TIME, counted: None };
 
     /// The unit of this name: one of [`Unit::names`], or an expression of units as models write them, such as `mol/l`.
     pub fn of(name: &str) -> Option<Unit> {
@@ -87,7 +99,8 @@ impl Unit {
             let found = modelica(name.trim()).filter(|_| !name.trim().is_empty())?;
             let scale = found.scale?;
             let dimension = found.dimension;
-            Some(Unit { factor: scale.factor, offset: scale.offset, dimension })
+            let (factor, offset, counted) = (scale.factor, scale.offset, counted(name.trim()));
+            Some(Unit { factor, offset, dimension, counted })
         })
     }
 
@@ -96,17 +109,27 @@ impl Unit {
         let name = name.trim();
         if matches!(name, "degC" | "°C") {
             let dimension = Dimension::TEMPERATURE;
-            return Some(Unit { factor: 1.0, offset: 273.15, dimension });
+            return Some(Unit { factor: 1.0, offset: 273.15, dimension, counted: None });
         }
         let plain = name.replace('_', " ").replace('^', "");
         let (_, factor) = UNITS.iter().find(|(n, _)| *n == plain)?;
         let pressure = plain.trim_end_matches(" gauge");
-        Some(Unit { factor: *factor, offset: 0.0, dimension: modelica(pressure)?.dimension })
+        let (dimension, counted) = (modelica(pressure)?.dimension, counted(&plain));
+        Some(Unit { factor: *factor, offset: 0.0, dimension, counted })
     }
 
     /// All names.
     pub fn names() -> impl Iterator<Item = &'static str> {
         UNITS.iter().map(|(n, _)| *n).chain(["degC"])
+    }
+
+    /// How it differs from the unit that a variable declares; `None` also if that is unknown or missing.
+    pub fn mismatch(self, declared: &str) -> Option<Mismatch> {
+        let own = unit::Unit::of(declared).filter(|_| !declared.is_empty())?;
+        if own.dimension != self.dimension {
+            return Some(Mismatch::Dimension);
+        }
+        is_a_turn_apart(self.counted, counted(declared)).then_some(Mismatch::Turn)
     }
 
     /// A value in SI units.
@@ -154,6 +177,23 @@ mod tests {
         assert_eq!(si(1.0, "mm gauge"), None);
         assert_eq!(si(1.0, ""), None);
         assert_eq!(Unit::of("°C").map(|u| u.of_si(273.15)), Some(0.0));
+    }
+
+    #[test]
+    fn events_over_time_are_no_speeds() {
+        let of = |name, declared| Unit::of(name).unwrap().mismatch(declared);
+        for counts in ["Hz", "kHz", "1/min"] {
+            assert_eq!(of(counts, "rad/s"), Some(Mismatch::Turn), "{counts}");
+            assert_eq!(of(counts, "Hz"), None, "{counts}");
+        }
+        for speed in ["rad/s", "rpm", "rev/s", "deg/s"] {
+            assert_eq!(of(speed, "Hz"), Some(Mismatch::Turn), "{speed}");
+            assert_eq!(of(speed, "rad/s"), None, "{speed}");
+        }
+        // Also written for either.
+        assert_eq!((of("1/s", "rad/s"), of("1/s", "Hz"), of("rad/s", "1/s")), (None, None, None));
+        assert_eq!(of("bar", "m"), Some(Mismatch::Dimension));
+        assert_eq!((of("bar", ""), of("bar", "furlong")), (None, None));
     }
 
     #[test]

@@ -57,7 +57,10 @@ fn experiment(study: &Study, next: &NextExperiment) -> Vec<String> {
     let conditions: Vec<String> = next
         .conditions
         .iter()
-        .map(|c| format!("{} = {} {}", c.column, c.value, c.unit).trim_end().to_owned())
+        .map(|c| match c.unit.as_str() {
+            "" | "1" => format!("{} = {}", c.column, c.value),
+            unit => format!("{} = {} {unit}", c.column, c.value),
+        })
         .collect();
     let mut out = vec![format!("next experiment: {}", conditions.join(", "))];
     if let Some(Gain { best, random }) = next.separation {

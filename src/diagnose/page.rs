@@ -3,7 +3,7 @@
 
 use crate::calibrate::data::Split;
 use crate::calibrate::plan::Signal;
-use crate::calibrate::table::shown;
+use crate::calibrate::table::{rmse_shown, shown};
 use crate::report::markup::escaped;
 use crate::report::page::diff::unified;
 use crate::report::page::figure::{Curve, Panel, Stroke, figure, figure_over};
@@ -336,7 +336,7 @@ fn multiples(study: &Study, diagnosis: &Diagnosis, residuals: &[Residual]) -> St
 
 fn errors(study: &Study, diagnosis: &Diagnosis, out: &mut String) {
     let splits: Vec<Split> = study.data.splits().collect();
-    out.push_str("<table><tr><th></th>");
+    out.push_str("<table class=\"wraps\"><tr><th></th>");
     for split in &splits {
         let name = split.name();
         out.push_str(&format!("<th>{name}, before</th><th>{name}, after</th>"));
@@ -353,7 +353,8 @@ fn errors(study: &Study, diagnosis: &Diagnosis, out: &mut String) {
         let of = |hypothesis: &Hypothesis, split: Split| {
             let multiple = hypothesis.sums(split).of_signal(k);
             let rmse = multiple * study.data.sigmas[k];
-            format!("{rmse:.4} {} ({multiple:.2} x noise)", escaped(&signal.unit_name))
+            let (rmse, unit) = (rmse_shown(rmse), escaped(&signal.unit_name));
+            format!("{rmse} {unit} ({multiple:.2} x noise)")
         };
         let values = splits.iter().flat_map(|s| [of(b, *s), of(a, *s)]);
         out.push_str(&row(&signal.column, values.collect()));

@@ -55,7 +55,7 @@ fn index(classes: &Classes) -> String {
 
 /// A table of classes, indented by their packages.
 fn rows(classes: &Classes, which: impl Iterator<Item = usize>) -> String {
-    let mut out = String::from("<table>\n");
+    let mut out = String::from("<table class=\"stacked\">\n");
     for k in which {
         let parsed = &classes.all[k];
         let depth = parsed.name.matches('.').count();
@@ -131,7 +131,10 @@ fn head(page: &mut Page, classes: &Classes, k: usize, content: &Content) {
         page.add(&format!("<p>{}</p>\n", escaped(&content.description)));
     }
     if !content.comment.is_empty() {
-        page.add(&format!("<pre>{}\n</pre>\n", escaped(&content.comment.join("\n"))));
+        page.add(&format!(
+            "<pre class=\"comment\">{}\n</pre>\n",
+            escaped(&content.comment.join("\n"))
+        ));
     }
 }
 
@@ -186,7 +189,10 @@ fn literals(content: &Content) -> String {
             escaped(description)
         )
     };
-    format!("<table>{}</table>\n", content.literals.iter().map(row).collect::<String>())
+    format!(
+        "<table class=\"stacked\">{}</table>\n",
+        content.literals.iter().map(row).collect::<String>()
+    )
 }
 
 /// A name that is written in a class, as a link.
@@ -222,7 +228,7 @@ fn table(classes: &Classes, rows: &[Row]) -> String {
         )
     };
     format!(
-        "<table><tr><th>name</th><th class=\"l\">type</th><th class=\"l\">value</th><th class=\"l\">unit</th>\
+        "<table class=\"stacked\"><tr><th>name</th><th class=\"l\">type</th><th class=\"l\">value</th><th class=\"l\">unit</th>\
          <th class=\"l\">description</th></tr>\n{}</table>\n",
         rows.iter().map(row).collect::<String>()
     )

@@ -4,7 +4,7 @@ use crate::base::cause::causes;
 use crate::base::diag::{did_you_mean, did_you_mean_or};
 use crate::base::name::split_unquoted;
 use crate::units::dimension::Dimension;
-use crate::units::unit::{Scale, Unit, is_frequency, measures_angle};
+use crate::units::unit::{Scale, Unit, counted, is_a_turn_apart};
 
 causes! {
     /// Causes found in values with units.
@@ -47,8 +47,7 @@ impl Conversion {
 pub fn conversion(source: &str, target: &str) -> Option<Conversion> {
     let (from, dimension) = scale_of(source)?;
     let (to, wanted) = scale_of(target)?;
-    let confused = is_frequency(source) && measures_angle(target)
-        || is_frequency(target) && measures_angle(source);
+    let confused = is_a_turn_apart(counted(source), counted(target));
     (dimension == wanted && !confused).then_some(Conversion { from, to })
 }
 

@@ -94,5 +94,9 @@ causes! {
         error MO1321 NotAllowed { path: String }
             => ("the plan names the FMU `{path}`, which is foreign code: it can do whatever you can do"),
             help("if you trust it, allow it with `--allow-fmu FILE`");
+        /// The shared library of an FMU runs in Python, which is not there.
+        error MO1323 NeedsPython { path: String, why: String }
+            => ("`{path}` is written in Python, and {why}"),
+            help("put a `python3` with a shared library and the packages of the FMU first in the PATH, or run the `mocc` of the Python package there (`pip install mocc`)");
     }
 }

@@ -7,13 +7,17 @@ use crate::ir::program::{Program, Slot};
 use crate::ir::trajectory::{Column, ColumnStorage, Constant, Event, Trajectory};
 use crate::runtime::machine::Machine;
 
-use super::columns::column_storage;
+use super::columns::{column_storage, columns};
 use super::settings::Settings;
 
 /// Receives the results of a run. Rows come in order of time; an event has two.
 pub trait Sink {
     /// The recorded variables; called once before all rows.
     fn begin(&mut self, columns: Vec<Column>);
+    /// If false, the sink knows the recorded variables, and [`Sink::begin`] gets an empty list.
+    fn wants_columns(&self) -> bool {
+        true
+    }
     /// The approximate number of rows; called once before all rows.
     fn expect(&mut self, _rows: usize) {}
     /// If false, [`Sink::constants`] is not called.
@@ -81,6 +85,12 @@ impl Sink for Trajectory {
     fn event(&mut self, event: Event) {
         self.events.push(event);
     }
+}
+
+/// Announces the recorded variables of a program.
+pub fn begin(program: &Program, sink: &mut dyn Sink) {
+    let columns = if sink.wants_columns() { columns(program) } else { Vec::new() };
+    sink.begin(columns);
 }
 
 /// Number of events whose rows are included in the estimated row count.

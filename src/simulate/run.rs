@@ -14,7 +14,7 @@ use crate::ir::trajectory::Trajectory;
 
 use super::bound_warnings::BoundWarnings;
 use super::cause::RunCause;
-use super::columns::{columns, constants};
+use super::columns::constants;
 use super::event::chattering::EventHistory;
 use super::event::duplicate_event::DuplicateFilter;
 use super::event::instant::Cause;
@@ -28,7 +28,7 @@ use super::initialization::{Start, StartError, initialise};
 use super::integers::integers;
 use super::method::{Choice, Integrator};
 use super::options::options;
-use super::record::{Recorder, Sink};
+use super::record::{Recorder, Sink, begin};
 use super::rows::has_own_rows;
 use super::sensitivity::{Input, Sensitivity, with_inputs};
 use super::settings::Settings;
@@ -328,7 +328,7 @@ impl<'p, 's> Simulation<'p, 's> {
         let (stepper, method) = integrator.map_err(|e| Failure::settings(e.to_string()))?;
         let mut recorder = Recorder::new(program, settings);
         let spacing = settings.spacing.unwrap_or(settings.interval);
-        sink.begin(columns(program));
+        begin(program, sink);
         recorder.announce_storage(program, sink);
         sink.expect(recorder.expected_rows());
         if sink.wants_constants() {

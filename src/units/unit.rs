@@ -33,14 +33,31 @@ pub enum Kind {
     Torque,
 }
 
-/// Whether a unit counts how often something happens: `Hz` with or without a prefix.
-pub fn is_frequency(unit: &str) -> bool {
-    symbols(unit).any(|symbol| symbol.ends_with("Hz"))
+/// What the rate in a unit counts. `Hz` and `rad/s` have one dimension, but a turn lies between them.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Counted {
+    /// How often something happens: `Hz`, `1/min`.
+    Events,
+    /// An angle or turns: `rad/s`, `deg`, `rpm`.
+    Angle,
 }
 
-/// Whether a unit measures an angle or turns: `rad/s`, `deg`, `rpm`.
-pub fn measures_angle(unit: &str) -> bool {
-    symbols(unit).any(|symbol| ["rad", "mrad", "deg", "rev", "rpm"].contains(&symbol))
+/// What the rate in a unit counts, if the unit says so. `1/s` does not: it is also written for `rad/s`.
+pub fn counted(unit: &str) -> Option<Counted> {
+    if symbols(unit).any(|symbol| symbol.ends_with("Hz")) {
+        return Some(Counted::Events);
+    }
+    if symbols(unit).any(|symbol| ["rad", "mrad", "deg", "rev", "rpm"].contains(&symbol)) {
+        return Some(Counted::Angle);
+    }
+    let per_time = Unit::ONE.over(Unit::si(Dimension::TIME)).dimension;
+    let found = Unit::of(unit).filter(|u| u.dimension == per_time)?;
+    found.scale.filter(|s| s.factor != 1.0).map(|_| Counted::Events)
+}
+
+/// Whether one unit counts events where the other measures an angle.
+pub fn is_a_turn_apart(a: Option<Counted>, b: Option<Counted>) -> bool {
+    a.is_some() && b.is_some() && a != b
 }
 
 /// The symbols of a unit with their prefixes, without exponents.

@@ -53,6 +53,7 @@ const WITHOUT_EXAMPLE: &[(&str, &str)] = &[
     ("MO1318", "needs an FMU, whose bytes are not text"),
     ("MO1320", "needs an FMU, whose bytes are not text"),
     ("MO1321", "its repair needs an FMU, whose bytes are not text"),
+    ("MO1323", "needs an FMU, whose bytes are not text"),
     ("MO1273", "the parser rejects every expression that is not a call"),
 ];
 

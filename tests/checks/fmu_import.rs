@@ -410,11 +410,9 @@ fn an_exported_model_comes_back() {
     }
 }
 
-/// A call that takes minutes is given up after Ctrl-C.
-#[test]
-fn ctrl_c_ends_a_call_that_does_not_return() {
-    let Some(runtime) = fmu_runtime() else { return };
-    let (folder, runtime) = (Scratch::new(), runtime.display().to_string());
+/// An FMU of which one step takes minutes, over half a million periods; none without the runtime of FMUs.
+fn slow_fmu(folder: &Scratch) -> Option<[&'static str; 8]> {
+    let runtime = fmu_runtime()?.display().to_string();
     folder.file(
         "swing.mo",
         "model Swing Real x(start = 1, fixed = true); Real v(start = 0, fixed = true);
@@ -423,9 +421,35 @@ fn ctrl_c_ends_a_call_that_does_not_return() {
     let words = ["export", "fmu", "swing.mo", "--runtime", &runtime, "--quiet", "--type", "cs"];
     let ended = mocc(folder.path(), &[&words[..], &["-o", "swing.fmu"]].concat());
     assert_eq!(ended.status, 0, "{}", ended.err);
-    // One step over half a million periods.
-    let words =
-        ["simulate", "swing.fmu", "--stop", "3e3", "--interval", "3e3", "--output", "out.csv"];
+    Some(["simulate", "swing.fmu", "--stop", "3e3", "--interval", "3e3", "--output", "out.csv"])
+}
+
+/// A call that does not return in time is named, and nothing is left of it.
+#[test]
+fn a_call_that_does_not_return_is_named() {
+    let folder = Scratch::new();
+    let Some(words) = slow_fmu(&folder) else { return };
+    let temporary = folder.path().join("temporary");
+    std::fs::create_dir(&temporary).expect("a folder");
+    let ended = Command::new(env!("CARGO_BIN_EXE_mocc"))
+        .current_dir(folder.path())
+        .env("TMPDIR", &temporary)
+        .args(words)
+        .args(["--max-seconds", "2"])
+        .output()
+        .expect("mocc runs");
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert_eq!(ended.status.code(), Some(3), "{said}");
+    assert!(said.contains("MO1316") && said.contains("DoStep` at time 0 s"), "{said}");
+    assert_eq!(std::fs::read_dir(&temporary).expect("a folder").count(), 0);
+    assert!(!folder.path().join("out.csv").exists());
+}
+
+/// A call that takes minutes is given up after Ctrl-C.
+#[test]
+fn ctrl_c_ends_a_call_that_does_not_return() {
+    let folder = Scratch::new();
+    let Some(words) = slow_fmu(&folder) else { return };
     let mut child = Command::new(env!("CARGO_BIN_EXE_mocc"))
         .current_dir(folder.path())
         .args(words)

@@ -75,6 +75,13 @@ fn matched(
         })?;
         let v = position(columns, &s.variable)
             .ok_or_else(|| format!("the model has no variable `{}`", s.variable))?;
+        if s.unit.mismatch(&columns[v].unit).is_some() {
+            let (variable, declared) = (&s.variable, &columns[v].unit);
+            return Err(format!(
+                "--signal: `{variable}` is in `{declared}`, which the unit of `{}` does not measure",
+                s.column
+            ));
+        }
         out.push((k, columns[v].name.clone(), s.unit));
     }
     if signals.iter().all(|s| s.variable == "time") {

@@ -1,20 +1,26 @@
 //! The child process of an FMU: carries out the orders that it reads from its standard input, which is a socket.
 //!
 //! Its answers go the same way. If mocc ends without an order to do so, even while the FMU does not return, the
-//! child removes the folder of the FMU and ends.
+//! child removes the folder of the FMU and ends. A call that takes long is named in a file in that folder, for the
+//! message about one that does not return.
 
 use std::io;
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Barrier};
 use std::time::Duration;
 
 use super::description::{Group, Passing};
+use super::library::current_call::current_call;
+use super::library::process::end_at_once;
 use super::library::{Instance, Trouble, keep_loaded, messages};
 use super::message::{Answer, Load, Order, Point, receive, send};
 
-/// Time between two looks after the parent process.
+/// Time between two looks after the parent process and the call that runs.
 const LOOK: Duration = Duration::from_millis(100);
+/// Time in which the parent process has gone if the stream ends without an order.
+const FAREWELL: Duration = Duration::from_secs(1);
 /// Displacement of a state for a difference quotient, relative to its size.
 const DISPLACEMENT: f64 = 1.5e-8;
 
@@ -24,10 +30,13 @@ pub fn serve() -> io::Result<()> {
     let mut buffer = Vec::new();
     let mut host: Option<Host> = None;
     while let Ok(order) = receive::<Order>(&mut stream, &mut buffer) {
+        if order == Order::Leave {
+            return Ok(());
+        }
         let answer = match (order, host.as_mut()) {
             (Order::Load(load), _) => {
                 if host.is_none() {
-                    watch_parent(PathBuf::from(&load.folder));
+                    watch(PathBuf::from(&load.folder));
                     keep_loaded(&load);
                 }
                 // The instance of the last run goes first: an FMU may allow only one.
@@ -53,12 +62,20 @@ pub fn serve() -> io::Result<()> {
             break;
         }
     }
+    // The thread that looks after the parent removes the folder when it has gone.
+    std::thread::sleep(FAREWELL);
     Ok(())
+}
+
+/// The file in the folder of an FMU in which a child names the call that takes long.
+pub fn call_file(folder: &Path, process: u32) -> PathBuf {
+    folder.join(format!("call-{process}"))
 }
 
 fn answer_of(trouble: Trouble) -> Answer {
     match trouble {
         Trouble::NotLoaded(why) => Answer::NotLoaded(why),
+        Trouble::NeedsPython(why) => Answer::NeedsPython(why),
         Trouble::NotInstantiated => Answer::NotInstantiated(messages()),
         Trouble::Failed { call, status } => {
             Answer::Failed(call.to_owned(), status.to_owned(), messages(), status == "discard")
@@ -66,20 +83,39 @@ fn answer_of(trouble: Trouble) -> Answer {
     }
 }
 
-/// Ends this process when its parent has gone, whatever the FMU does, and removes the folder.
-fn watch_parent(folder: PathBuf) {
+/// Ends this process when its parent has gone, whatever the FMU does, and removes the folder; until then, names calls
+/// that take long.
+fn watch(folder: PathBuf) {
     let parent = std::os::unix::process::parent_id();
+    let file = call_file(&folder, std::process::id());
+    let begun = Arc::new(Barrier::new(2));
+    let has_begun = Arc::clone(&begun);
     let look = move || {
+        has_begun.wait();
+        let (mut last, mut named) = (0, 0);
         loop {
             std::thread::sleep(LOOK);
             if std::os::unix::process::parent_id() != parent {
                 let _ = std::fs::remove_dir_all(&folder);
-                std::process::exit(0);
+                end_at_once();
             }
+            let (number, name) = current_call();
+            if number == last && number != named && !name.is_empty() {
+                // Without the file the message names the order alone.
+                let _ = std::fs::write(&file, name);
+                named = number;
+            } else if number != last && named != 0 {
+                let _ = std::fs::remove_file(&file);
+                named = 0;
+            }
+            last = number;
         }
     };
     // Without the thread only an FMU that hangs outlives its parent.
-    let _ = std::thread::Builder::new().name("parent".to_owned()).spawn(look);
+    if std::thread::Builder::new().name("parent".to_owned()).spawn(look).is_ok() {
+        // A thread that begins while a library is loaded waits for the loader, which may never return.
+        begun.wait();
+    }
 }
 
 /// An instance with what orders refer to.
@@ -173,7 +209,7 @@ impl Host {
                 let (reached, ends) = self.instance.step(t, size)?;
                 Answer::Step(reached, false, ends)
             }
-            Order::Load(_) | Order::End => Answer::Numbers(Vec::new()),
+            Order::Load(_) | Order::End | Order::Leave => Answer::Numbers(Vec::new()),
         })
     }
 

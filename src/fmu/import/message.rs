@@ -1,7 +1,7 @@
 //! The messages between a run and the child process of an FMU.
 //!
-//! A message is its length as four bytes, lowest first, and its content. Each [`Order`] has one [`Answer`]; the
-//! child sends nothing by itself, and ends at the end of the stream.
+//! A message is its length as four bytes, lowest first, and its content. Each [`Order`] but the
+//! last has one [`Answer`]; the child sends nothing by itself, and ends at the end of the stream.
 
 use std::io::{self, Read, Write};
 
@@ -71,6 +71,8 @@ pub enum Order {
     Step(f64, f64, Vec<(usize, f64)>),
     /// The end of the run.
     End,
+    /// The last order: the process is no longer needed. It has no answer.
+    Leave,
 }
 
 /// What came of it.
@@ -84,6 +86,8 @@ pub enum Answer {
     Step(f64, bool, bool),
     /// The library cannot be loaded, for this reason.
     NotLoaded(String),
+    /// The library needs Python, which cannot be loaded, for this reason.
+    NeedsPython(String),
     /// The FMU cannot be instantiated; its messages.
     NotInstantiated(Vec<String>),
     /// A call failed: its name, the status, messages; the failure is avoidable.
@@ -154,6 +158,7 @@ impl Wire for Order {
                 inputs.write(out);
             }
             Order::End => out.push(8),
+            Order::Leave => out.push(9),
         }
     }
     fn read(from: &mut Reader<'_>) -> Result<Self, Damaged> {
@@ -167,6 +172,7 @@ impl Wire for Order {
             6 => Order::Event(Wire::read(from)?),
             7 => Order::Step(Wire::read(from)?, Wire::read(from)?, Wire::read(from)?),
             8 => Order::End,
+            9 => Order::Leave,
             _ => return Err(Damaged),
         })
     }
@@ -195,6 +201,10 @@ impl Wire for Answer {
             }
             Answer::NotLoaded(why) => {
                 out.push(3);
+                why.write(out);
+            }
+            Answer::NeedsPython(why) => {
+                out.push(6);
                 why.write(out);
             }
             Answer::NotInstantiated(messages) => {
@@ -229,6 +239,7 @@ impl Wire for Answer {
                 Wire::read(from)?,
                 Wire::read(from)?,
             ),
+            6 => Answer::NeedsPython(Wire::read(from)?),
             _ => return Err(Damaged),
         })
     }
@@ -275,6 +286,7 @@ mod tests {
             Order::Event(point),
             Order::Step(0.1, 0.2, Vec::new()),
             Order::End,
+            Order::Leave,
         ];
         for order in &orders {
             send(&mut pipe, order, &mut buffer).unwrap();

@@ -12,6 +12,7 @@ pub mod component;
 pub mod description;
 #[cfg(unix)]
 pub mod host;
+#[cfg(unix)]
 pub mod library;
 pub mod message;
 pub mod model;

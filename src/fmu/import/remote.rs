@@ -9,11 +9,15 @@ use std::io::ErrorKind;
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
+use super::host::call_file;
+use super::library::current_call::LOADING;
+use super::library::process::end_group;
 use super::message::{Answer, Load, Order, Point, receive, send};
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
@@ -200,6 +204,10 @@ impl Remote {
                 &[],
                 ForeignFaultKind::Input,
             )),
+            Ok(Answer::NeedsPython(why)) => {
+                let cause = FmuCause::NeedsPython { path: path(), why };
+                Err(fault(cause, &[], ForeignFaultKind::Input))
+            }
             Ok(Answer::NotInstantiated(messages)) => {
                 let cause = FmuCause::NotInstantiated { path: path() };
                 Err(fault(cause, &messages, ForeignFaultKind::Input))
@@ -215,15 +223,15 @@ impl Remote {
             }
             Ok(answer) => Ok(answer),
             Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
+                let doing = self.long_call(doing);
                 self.stop();
-                let what = format!("a call {doing}");
-                let cause = FmuCause::Hanging { path: path(), seconds, doing: what };
+                let cause = FmuCause::Hanging { path: path(), seconds, doing };
                 Err(fault(cause, &[], ForeignFaultKind::Final))
             }
             Err(_) if GIVEN_UP.load(Ordering::Relaxed) => {
+                let doing = self.long_call(doing);
                 self.stop();
                 let seconds = now().saturating_sub(begun) as f64 / 1e3;
-                let doing = format!("a call {doing}");
                 let cause = FmuCause::Hanging { path: path(), seconds, doing };
                 Err(fault(cause, &[], ForeignFaultKind::Final))
             }
@@ -231,9 +239,20 @@ impl Remote {
         }
     }
 
-    /// Ends the child at once.
+    /// The call that takes long, as the child names it, and when.
+    fn long_call(&self, doing: &str) -> String {
+        let file = call_file(Path::new(&self.load.folder), self.child.id());
+        match std::fs::read_to_string(file) {
+            Ok(name) if name == LOADING => format!("the {name}"),
+            Ok(name) if !name.is_empty() => format!("`{name}` {doing}"),
+            _ => format!("a call {doing}"),
+        }
+    }
+
+    /// Ends the child at once, and what the FMU has started in its group.
     fn stop(&mut self) {
         self.ended = true;
+        end_group(self.child.id());
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -391,9 +410,10 @@ impl Drop for Remote {
         if self.ended {
             return;
         }
-        // The end of the stream ends the child; one that does not return is killed.
+        // A child that does not return is killed.
+        let _ = send(&mut self.stream, &Order::Leave, &mut self.buffer);
         let _ = self.stream.shutdown(std::net::Shutdown::Both);
-        let until = Instant::now() + LAST_CALL;
+        let until = Instant::now() + LAST_CALL.min(patience().0);
         while Instant::now() < until {
             if matches!(self.child.try_wait(), Ok(Some(_)) | Err(_)) {
                 return;

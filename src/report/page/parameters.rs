@@ -98,7 +98,8 @@ pub fn tables(parameters: &[Parameter], runs: &[String], link: &dyn Fn(&str) -> 
 
 fn table(list: &[&Parameter], runs: &[String], link: &dyn Fn(&str) -> String) -> String {
     let varied = runs.len() > 1;
-    let mut out = String::from("<table class=\"parameters\"><thead><tr><th>parameter</th>");
+    let class = if varied { "parameters" } else { "parameters stacked" };
+    let mut out = format!("<table class=\"{class}\"><thead><tr><th>parameter</th>");
     if varied {
         runs.iter().for_each(|r| out.push_str(&format!("<th>{}</th>", escaped(r))));
     } else {

@@ -9,10 +9,10 @@ use crate::ir::foreign::{At, Foreign, ForeignInstance, ForeignRole, ForeignType}
 use crate::ir::program::{Program, Slot};
 use crate::runtime::machine::Machine;
 use crate::simulate::cause::{NonFinite, RunCause};
-use crate::simulate::columns::{columns, constants};
+use crate::simulate::columns::constants;
 use crate::simulate::extrema::ExtremumRequest;
 use crate::simulate::failure::{Failure, of_fault};
-use crate::simulate::record::{Recorder, Sink};
+use crate::simulate::record::{Recorder, Sink, begin};
 use crate::simulate::settings::Settings;
 
 use super::failure;
@@ -164,7 +164,7 @@ impl<'p> Rows<'p> {
     /// Announces the run to the sink.
     pub fn begin(&self, sink: &mut dyn Sink) {
         let program = self.machine.program;
-        sink.begin(columns(program));
+        begin(program, sink);
         sink.expect(self.recorder.expected_rows());
         if sink.wants_constants() {
             sink.constants(constants(&self.machine));

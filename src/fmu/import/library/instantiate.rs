@@ -3,10 +3,12 @@
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::ptr;
 
-use libloading::Library;
+use libloading::Library as AnyLibrary;
+use libloading::os::unix::{Library, RTLD_LAZY, RTLD_LOCAL, RTLD_NOW};
 
+use super::current_call::{CurrentCall, LOADING};
 use super::log::{Callbacks, log_third};
-use super::{Instance, Trouble};
+use super::{Instance, Trouble, python};
 use crate::fmu::import::message::Load;
 
 /// The logger of FMI 3.
@@ -15,9 +17,7 @@ type Log = unsafe extern "C" fn(*mut c_void, c_int, *const c_char, *const c_char
 impl Instance {
     /// Loads the library and makes an instance.
     pub fn new(load: &Load) -> Result<Instance, Trouble> {
-        // SAFETY: the user has named the FMU, and its code runs in a process of its own.
-        let library = unsafe { Library::new(&load.library) };
-        let library = library.map_err(|e| Trouble::NotLoaded(detailed(&e)))?;
+        let library = opened(&load.library)?;
         let callbacks = Box::new(Callbacks::new());
         let instance = match load.third {
             true => third(&library, load)?,
@@ -33,10 +33,24 @@ impl Instance {
 /// Keeps a library in memory, so that further instances need not load it again. What is wrong with it is reported
 /// with its first instance.
 pub fn keep_loaded(load: &Load) {
-    // SAFETY: as in `Instance::new`.
-    if let Ok(library) = unsafe { Library::new(&load.library) } {
+    if let Ok(library) = opened(&load.library) {
         std::mem::forget(library);
     }
+}
+
+/// Loads a library, and Python first if it needs that.
+fn opened(path: &str) -> Result<AnyLibrary, Trouble> {
+    let _call = CurrentCall::enter(LOADING);
+    // SAFETY: the user has named the FMU, and its code runs in a process of its own.
+    let open = |flags| unsafe { Library::open(Some(path), flags | RTLD_LOCAL) };
+    // At first with all its functions, or the lack of Python would show when the first is called.
+    match open(RTLD_NOW).map_err(|e| detailed(&e)) {
+        Ok(library) => return Ok(library.into()),
+        Err(why) if python::is_missed(&why) => python::start().map_err(Trouble::NeedsPython)?,
+        Err(_) => {}
+    }
+    let library = open(RTLD_LAZY).map_err(|e| Trouble::NotLoaded(detailed(&e)))?;
+    Ok(library.into())
 }
 
 fn string(text: &str) -> CString {
@@ -48,7 +62,11 @@ fn missing(error: libloading::Error) -> Trouble {
 }
 
 /// An instance by FMI 2.
-fn second(library: &Library, load: &Load, callbacks: &Callbacks) -> Result<*mut c_void, Trouble> {
+fn second(
+    library: &AnyLibrary,
+    load: &Load,
+    callbacks: &Callbacks,
+) -> Result<*mut c_void, Trouble> {
     type Make = unsafe extern "C" fn(
         *const c_char,
         c_int,
@@ -64,12 +82,13 @@ fn second(library: &Library, load: &Load, callbacks: &Callbacks) -> Result<*mut 
     // SAFETY: signature of FMI 2.0; strings and callbacks live long enough.
     unsafe {
         let make = library.get::<Make>(b"fmi2Instantiate").map_err(missing)?;
+        let _call = CurrentCall::enter("fmi2Instantiate");
         Ok(make(name.as_ptr(), kind, token.as_ptr(), resources.as_ptr(), callbacks, 0, 0))
     }
 }
 
 /// An instance by FMI 3.
-fn third(library: &Library, load: &Load) -> Result<*mut c_void, Trouble> {
+fn third(library: &AnyLibrary, load: &Load) -> Result<*mut c_void, Trouble> {
     type Exchange = unsafe extern "C" fn(
         *const c_char,
         *const c_char,
@@ -101,6 +120,7 @@ fn third(library: &Library, load: &Load) -> Result<*mut c_void, Trouble> {
     unsafe {
         if load.stepping {
             let make = library.get::<Stepping>(b"fmi3InstantiateCoSimulation").map_err(missing)?;
+            let _call = CurrentCall::enter("fmi3InstantiateCoSimulation");
             let (visible, logging, events, early) = (false, false, false, false);
             return Ok(make(
                 name,
@@ -118,6 +138,7 @@ fn third(library: &Library, load: &Load) -> Result<*mut c_void, Trouble> {
             ));
         }
         let make = library.get::<Exchange>(b"fmi3InstantiateModelExchange").map_err(missing)?;
+        let _call = CurrentCall::enter("fmi3InstantiateModelExchange");
         Ok(make(name, token, resources, false, false, none, log_third))
     }
 }

@@ -1,16 +1,20 @@
-//! The shared library of an FMU, by its C functions. Sole user of `libloading`; only the child process calls it.
+//! The shared library of an FMU, by its C functions. Sole user of `libloading`; only the child process loads one.
 //!
 //! In: a library and operations in terms of both versions of FMI. Out: their results, or the call that failed with
 //! its status and the messages of the FMU.
 
 #![allow(unsafe_code)] // Only here: calls foreign code by the signatures of the standard.
 
+pub mod current_call;
 mod log;
+pub mod process;
+mod python;
 
 use std::ffi::{c_int, c_void};
 
 use libloading::Library;
 
+use self::current_call::CurrentCall;
 use self::log::Callbacks;
 pub use self::log::messages;
 
@@ -22,6 +26,8 @@ const MOST_ITERATIONS: usize = 10_000;
 pub enum Trouble {
     /// It cannot be loaded, or lacks a function.
     NotLoaded(String),
+    /// It is written in Python, which cannot be loaded for this reason.
+    NeedsPython(String),
     /// It made no instance.
     NotInstantiated,
     /// A call returned a status that is not a success; `discard` may be avoided.
@@ -93,7 +99,10 @@ macro_rules! call {
         };
         match function {
             // SAFETY: the instance is alive, and pointers are valid for the length that goes with them.
-            Ok(function) => checked(name, unsafe { function($self.instance $(, $arg)*) }),
+            Ok(function) => {
+                let _call = $crate::fmu::import::library::current_call::CurrentCall::enter(name);
+                checked(name, unsafe { function($self.instance $(, $arg)*) })
+            }
             Err(why) => Err(Trouble::NotLoaded(why.to_string())),
         }
     }};
@@ -313,6 +322,10 @@ impl Instance {
         let name: &[u8] = if self.third { b"fmi3FreeInstance" } else { b"fmi2FreeInstance" };
         // SAFETY: the signature of the standard; the instance is not used afterwards.
         unsafe {
+            let _call = CurrentCall::enter(match self.third {
+                true => "fmi3FreeInstance",
+                false => "fmi2FreeInstance",
+            });
             if let Ok(f) = self.library.get::<unsafe extern "C" fn(*mut c_void)>(name) {
                 f(self.instance);
             }
