@@ -8,6 +8,8 @@ use super::dependence::{Expressions, Watched, is_oscillation};
 
 /// Accuracy of the location of an extremum, as a fraction of the run.
 const LOCATION_TOLERANCE: f64 = 1e-12;
+/// Distance of points, relative to the time, from which rates are those of the expressions.
+const RESOLVED: f64 = 1e-9;
 /// Bisections that locate a jump to the spacing of doubles.
 const BISECTIONS: u32 = 60;
 
@@ -52,6 +54,8 @@ impl<'p> Look<'p> {
         let width = self.watched.len();
         let at = |k: usize| start + (stop - start) * (k as f64 / intervals as f64);
         let spacing = (stop - start) / intervals as f64;
+        // Between points that are too close, operands differ by rounding.
+        let is_resolved = spacing > RESOLVED * start.abs().max(stop.abs());
         // The values at the last three points of the grid, and the operands at the last.
         let mut rows = [vec![0.0; width], vec![0.0; width], vec![0.0; width]];
         let mut operands = vec![0.0; self.code.len()];
@@ -63,7 +67,7 @@ impl<'p> Look<'p> {
             }
             for (n, i) in self.code.iter().enumerate() {
                 let operand = self.memory[i.a as usize];
-                if k > 0 {
+                if k > 0 && is_resolved {
                     self.rates[n] = self.rates[n].max((operand - operands[n]).abs() / spacing);
                 }
                 operands[n] = operand;

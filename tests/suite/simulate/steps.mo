@@ -355,3 +355,20 @@ equation
 end Burst;
 //@ run stop=10000
 //@ expect n = 500
+
+//@ case pulses_of_both_kinds
+// Next to events, points are so close that rounding looks like a fast oscillation; it must not refine the grid.
+model Both
+  Integer n(start = 0, fixed = true), m(start = 0, fixed = true);
+  Real s = exp(-((mod(time, 0.5) - 0.25)/1e-4)^2);
+  Real c = exp(-(sin(6.283185307179586*time + 1)/1e-3)^2);
+equation
+  when s > 0.4 then
+    n = pre(n) + 1;
+  end when;
+  when c > 0.4 then
+    m = pre(m) + 1;
+  end when;
+end Both;
+//@ run stop=200
+//@ expect n, m = 400
