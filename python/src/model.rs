@@ -327,7 +327,7 @@ impl Model {
     /// The request with further settings.
     pub fn request(&self, settings: Vec<String>) -> Request {
         let mut request = self.request.clone();
-        request.settings.extend(settings);
+        request.set(&settings);
         request
     }
 
@@ -369,7 +369,7 @@ impl Model {
             return Ok(Arc::clone(found));
         }
         let mut request = self.request.clone();
-        request.settings.extend(settings);
+        request.set(&settings);
         request.recorded = driven;
         let made = Arc::new(compiled(py, request)?.0);
         let mut all = known();

@@ -48,7 +48,13 @@ impl Table {
             true => NumberTable::of_bytes(path, read_once().as_bytes())?,
             false => NumberTable::read(path)?,
         };
-        for (name, unit) in units {
+        for (k, (name, unit)) in units.iter().enumerate() {
+            if let Some((_, first)) = units[..k].iter().find(|(other, _)| other == name) {
+                if first != unit {
+                    return Err(format!("--unit: `{name}` is wanted in `{first}` and in `{unit}`"));
+                }
+                continue;
+            }
             convert(path, &mut content, name, unit)?;
         }
         let names = content.columns.iter().map(|c| c.name.clone()).collect();

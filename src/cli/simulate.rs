@@ -342,6 +342,13 @@ fn other_units(options: &Simulate, columns: &[Column]) -> Result<Vec<OtherUnit>,
             format!("--unit: the run records no variable `{name}`{near}")
         })?;
         scale_of(unit).ok_or_else(|| format!("--unit: `{unit}` is not a known unit"))?;
+        if let Some(first) = out.iter().find(|o: &&OtherUnit| o.column == column) {
+            if first.unit != *unit {
+                let first = &first.unit;
+                return Err(format!("--unit: `{name}` is wanted in `{first}` and in `{unit}`"));
+            }
+            continue;
+        }
         let declared = &columns[column].unit;
         let Some(conversion) = conversion(declared, unit) else {
             let declared = if declared.is_empty() { "1" } else { declared };

@@ -96,6 +96,14 @@ impl Request {
         Request { file, model, ..Request::default() }
     }
 
+    /// Adds settings, in place of those of the same parameters.
+    pub fn set(&mut self, settings: &[String]) {
+        let name =
+            |s: &str| split_unquoted(s, '=').map_or(String::new(), |(n, _)| without_spaces(n));
+        self.settings.retain(|old| !settings.iter().any(|new| name(new) == name(old)));
+        self.settings.extend_from_slice(settings);
+    }
+
     /// What the model may take.
     pub fn budget(&self) -> Budget {
         self.max_size.map_or_else(Budget::default, Budget::new)
@@ -181,6 +189,9 @@ impl Session {
             );
             settings.push(read.ok_or(CompileError::Request)?);
         }
+        self.check_set_twice(&request.settings)?;
+        // The value of an element is looked up before that of its array, whatever their order.
+        settings.sort_by_key(|s| std::cmp::Reverse(s.subscript_count()));
         self.times.push(("parse", begun.elapsed()));
 
         let begun = Instant::now();
@@ -220,6 +231,22 @@ impl Session {
         converted.into_iter().for_each(|(at, text)| request.settings[at] = text);
         self.problems = before;
         self.flatten_by(&request, by, flat)
+    }
+
+    /// Reports a parameter that is set to two values.
+    fn check_set_twice(&mut self, settings: &[String]) -> Result<(), CompileError> {
+        let mut values: FastMap<String, &String> = FastMap::default();
+        for setting in settings {
+            let Some((name, _)) = split_unquoted(setting, '=') else { continue };
+            let first = *values.entry(without_spaces(name)).or_insert(setting);
+            if without_spaces(first) != without_spaces(setting) {
+                let (first, second) = (first.clone(), setting.clone());
+                let cause = OverrideCause::SetTwice { first, second };
+                self.problems.push(Diagnostic::new(cause, Span::NONE));
+                return Err(CompileError::Request);
+            }
+        }
+        Ok(())
     }
 
     /// The full names of the classes of a package, sorted; the empty name is the top level.

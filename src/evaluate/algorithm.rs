@@ -6,8 +6,8 @@ use super::Evaluator;
 use super::cause::array::ArrayCause;
 use super::cause::call::CallCause;
 use super::cause::name::NameCause;
-use super::cause::types::TypeCause;
 use super::implicit_ranges::Body;
+use super::pattern::Pattern;
 use super::random_draw::Place;
 use super::reference::Selection;
 use super::subscript::{one_by_one, positions};
@@ -29,6 +29,13 @@ pub(crate) enum Flow {
     Next,
     Break,
     Return,
+}
+
+/// Where an assignment is: its left side, and the statement.
+#[derive(Clone, Copy, Debug)]
+struct Places {
+    target: Span,
+    statement: Span,
 }
 
 /// Conditions under which the code being executed was left already; `None` if it was not.
@@ -73,7 +80,7 @@ impl Evaluator<'_> {
                     Value::Tuple(all) if !all.is_empty() => all[0].clone(),
                     value => value,
                 };
-                self.assign(target, value, scope)?;
+                self.assign(target, value, scope, s.span)?;
             }
             StatementKind::AssignTuple(targets, call) => {
                 let value = self.evaluate_outputs(call, scope)?;
@@ -88,7 +95,7 @@ impl Evaluator<'_> {
                 }
                 for (target, value) in targets.iter().zip(values) {
                     if let Some(target) = target {
-                        self.assign(target, value, scope)?;
+                        self.assign(target, value, scope, s.span)?;
                     }
                 }
             }
@@ -356,17 +363,21 @@ impl Evaluator<'_> {
         None
     }
 
-    /// `target := value`, for a local of a function or a variable of the model.
-    pub(crate) fn assign(
+    /// `target := value`, for a local of a function or a variable of the model, in the statement at
+    /// `span`.
+    fn assign(
         &mut self,
         target: &ComponentRef,
         value: Value,
         scope: Scope,
+        span: Span,
     ) -> Option<()> {
         let first = target.parts[0].name.name;
         if let Some(at) = self.frames.position(first) {
             let old = self.frames.visible()[at].1.clone();
-            let mut new = self.updated(&old, &target.parts, value, scope, target.span)?;
+            let pattern = self.pattern_of_local(first);
+            let places = Places { target: target.span, statement: span };
+            let mut new = self.updated(&old, &pattern, &target.parts, value, scope, places)?;
             for left in self.exits.all() {
                 new = self.if_values(left, old.clone(), new, target.span)?;
             }
@@ -379,29 +390,12 @@ impl Evaluator<'_> {
         }
         let mode = self.mode.reading();
         let selection = self.with_mode(mode, |cx| cx.select_target(target, scope))?;
-        let mut value = value;
-        if value.has_records() {
-            let old = self.with_mode(mode, |cx| cx.selection_value(&selection, target.span))?;
-            value = self.in_order_of(value, &old, target.span)?;
-        }
+        let pattern = self.pattern_of_selection(&selection);
+        let value = self.fitted(&pattern, &[], value, span)?;
         // Records are taken apart in the order of their fields, as the variables are.
         let mut scalars = Vec::new();
         value.for_each_scalar(&mut |e| scalars.push(e));
         self.assign_selected(&selection, &scalars, target.span)
-    }
-
-    /// A value with the fields of its records in the order of those of what it is assigned to.
-    fn in_order_of(&mut self, value: Value, old: &Value, span: Span) -> Option<Value> {
-        if !value.has_records() {
-            return Some(value);
-        }
-        match value.ordered_as(old) {
-            Ok(ordered) => Some(ordered),
-            Err(name) => {
-                self.report(TypeCause::MissingField { name }, span);
-                None
-            }
-        }
     }
 
     /// The scalar variables of a selection, row-major.
@@ -452,26 +446,29 @@ impl Evaluator<'_> {
         Some(out)
     }
 
-    /// `old` with the part that `parts` name replaced; the first part names `old` itself.
+    /// `old` with the part that `parts` name replaced; the first part names `old` itself, which has
+    /// the `pattern`.
     fn updated(
         &mut self,
         old: &Value,
+        pattern: &Pattern,
         parts: &[RefPart],
         value: Value,
         scope: Scope,
-        span: Span,
+        at: Places,
     ) -> Option<Value> {
+        let span = at.target;
         let (part, rest) = parts.split_first()?;
         if part.subscripts.is_empty() {
             let Some(next) = rest.first() else {
-                return self.in_order_of(value, old, span);
+                return self.fitted(pattern, old.dims(), value, at.statement);
             };
             let Value::Record(record) = old else {
                 self.report(NameCause::NotARecord { name: part.name.name }, span);
                 return None;
             };
             let mut fields = record.fields.clone();
-            let Some(at) = fields.iter().position(|(n, _)| *n == next.name.name) else {
+            let Some(k) = fields.iter().position(|(n, _)| *n == next.name.name) else {
                 let name = next.name.name;
                 let names: Vec<&str> = fields.iter().map(|(n, _)| n.as_str()).collect();
                 let others = Alternatives::of(name, &names);
@@ -479,7 +476,8 @@ impl Evaluator<'_> {
                 self.report(ClassCause::UnknownElement { holder, name, others }, next.name.span);
                 return None;
             };
-            fields[at].1 = self.updated(&fields[at].1, rest, value, scope, span)?;
+            let pattern = pattern.field(next.name.name);
+            fields[k].1 = self.updated(&fields[k].1, &pattern, rest, value, scope, at)?;
             return Some(Value::Record(std::rc::Rc::new(Record { class: record.class, fields })));
         }
         let Value::Array(array) = old else {
@@ -488,6 +486,7 @@ impl Evaluator<'_> {
         };
         let selectors = self.selectors(&array.dims, &part.subscripts, scope, span)?;
         let mut elements = array.elements.clone();
+        let element = pattern.element();
         let assigned = match one_by_one(&array.dims, &selectors) {
             None => vec![(selectors, value)],
             Some((_, all)) => {
@@ -503,6 +502,13 @@ impl Evaluator<'_> {
             for (condition, selectors) in self.fixed(&array.dims, &selectors) {
                 let (sizes, positions) = positions(&array.dims, &selectors);
                 let single = sizes.is_empty() && selectors.len() == array.dims.len();
+                let value = match rest.is_empty() {
+                    true => {
+                        let part = Pattern::array(&sizes, element.clone());
+                        self.fitted(&part, &sizes, value.clone(), at.statement)?
+                    }
+                    false => value.clone(),
+                };
                 if !single && value.elements().len() != positions.len() {
                     self.report_count(value.elements().len(), positions.len(), span);
                     return None;
@@ -515,7 +521,7 @@ impl Evaluator<'_> {
                         let bare = RefPart { name: part.name, subscripts: Vec::new() };
                         let parts: Vec<RefPart> =
                             std::iter::once(bare).chain(rest.iter().cloned()).collect();
-                        self.updated(&elements[*p], &parts, new, scope, span)?
+                        self.updated(&elements[*p], &element, &parts, new, scope, at)?
                     };
                     elements[*p] = match condition {
                         Some(c) => self.if_values(c, new, elements[*p].clone(), span)?,

@@ -298,6 +298,10 @@ impl Evaluator<'_> {
                 let (now, before) = (cx.value_now(v, ty), cx.graph.pre(v, ty));
                 cx.graph.binary(Binary::NotEqual, now, before)
             }),
+            "initial" | "terminal" if !args.is_empty() || !named.is_empty() => {
+                self.wrong_arguments(span, "no arguments");
+                None
+            }
             "initial" => Some(Value::Scalar(self.graph.intern(Node::Initial, Type::Boolean))),
             "terminal" => Some(Value::Scalar(self.graph.intern(Node::Terminal, Type::Boolean))),
             "sample" => self.sample_call(args, named, span, scope),
@@ -511,6 +515,11 @@ impl Evaluator<'_> {
         };
         let values = [actual, simplified].map(|e| self.evaluate(e, scope));
         let [Some(a), Some(b)] = values else { return None };
+        for (value, at) in [(&a, actual), (&b, simplified)] {
+            for element in value.elements() {
+                self.number(element, at.span)?;
+            }
+        }
         self.each_of([a, b], span, |cx, [a, b]| cx.graph.intern(Node::Homotopy(a, b), Type::Real))
     }
 

@@ -240,8 +240,10 @@ impl Evaluator<'_> {
             });
         }
         let mut elements = Vec::with_capacity(all.elements().len());
+        let needs_numbers = matches!(name, "sum" | "product");
         for v in all.elements() {
             elements.push(match v.scalar() {
+                Some(_) if needs_numbers => self.number(v, span)?,
                 Some(e) => e,
                 None => return self.number(v, span).map(Value::Scalar),
             });

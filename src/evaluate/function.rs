@@ -98,6 +98,7 @@ impl Evaluator<'_> {
             );
             return None;
         }
+        self.check_outputs(class, &components);
         let mut inputs: Vec<&(Entry, Declaration)> = Vec::new();
         for c in &components {
             if self.causality(&c.0, &c.1) == Some(Causality::Input) {
@@ -345,7 +346,12 @@ impl Evaluator<'_> {
             arguments.push(unknown);
         }
         let span = self.definition(class).map_or(Span::NONE, |t| t.name.span);
+        // A function that is never called may lack statements.
+        let is_new = self.patterns.checked.insert(class);
         self.call_function(class, arguments, Vec::new(), span);
+        if is_new {
+            self.patterns.checked.remove(&class);
+        }
     }
 
     pub(super) fn run(
@@ -372,9 +378,13 @@ impl Evaluator<'_> {
             let (entry, declaration) = &components[*k];
             let name = entry.name.name;
             let value = match arguments[*k].take() {
-                Some(value) => value,
+                Some(value) => self.fitted_local(class, components, *k, value, span)?,
                 None => match self.local_start(entry, declaration) {
-                    Some(value) => value,
+                    Some(value) => {
+                        let bound = self.declared_value(entry, declaration);
+                        let at = bound.map_or(entry.name.span, |(binding, _)| binding.span);
+                        self.fitted_local(class, components, *k, value, at)?
+                    }
                     None => {
                         if self.causality(entry, declaration) == Some(Causality::Input) {
                             let function = self.classes[class].full_name;
@@ -493,7 +503,7 @@ impl Evaluator<'_> {
     }
 
     /// The sizes of a local or a field, those of its type last; `None` for one that is left open.
-    fn declared_sizes(
+    pub(super) fn declared_sizes(
         &mut self,
         entry: &Entry,
         declaration: &Declaration,

@@ -39,6 +39,7 @@ mod moved_table;
 pub mod operator;
 pub mod overload;
 mod partial_derivative;
+pub(crate) mod pattern;
 mod random;
 pub mod random_draw;
 mod record;
@@ -107,6 +108,8 @@ pub struct Evaluator<'a> {
     pub(crate) loops: runtime_loop::Loops,
     /// The orders in which the variables of functions get their first values.
     pub(crate) initial_orders: FastMap<ClassId, Rc<[usize]>>,
+    /// The declared types and sizes of variables.
+    pub(crate) patterns: pattern::Patterns,
     /// Components whose sizes are being found.
     pub(crate) sizing: sizing::Sizing,
     /// The component of each numbered flat variable, and the position in it.
@@ -161,6 +164,7 @@ impl<'a> Evaluator<'a> {
             specializations: Default::default(),
             loops: Default::default(),
             initial_orders: Default::default(),
+            patterns: Default::default(),
             sizing: Default::default(),
             instance_of: Default::default(),
             events: Default::default(),

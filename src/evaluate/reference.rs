@@ -5,6 +5,7 @@ use std::rc::Rc;
 use super::Evaluator;
 use super::cause::array::ArrayCause;
 use super::cause::name::NameCause;
+use super::cause::types::Expected;
 use super::cause::value::ValueCause;
 use super::demand::Demand;
 use super::mode::Mode;
@@ -321,7 +322,15 @@ impl Evaluator<'_> {
         let declared_in = self.instances[id].scope;
         let dims = declaration.component().dims.iter().chain(&declaration.clause().type_dims);
         for (dim, subscript) in dims.zip(subscripts) {
-            let (Subscript::Expr(dim), Subscript::Expr(e)) = (dim, subscript) else { continue };
+            let Subscript::Expr(e) = subscript else { continue };
+            if matches!(e.kind, ExprKind::Boolean(_))
+                && !matches!(dim, Subscript::Expr(dim) if matches!(dim.kind, ExprKind::Ref(_)))
+            {
+                let found = Value::Scalar(self.graph.boolean(false));
+                self.report_type(Expected::Subscript, &found, e.span);
+                continue;
+            }
+            let Subscript::Expr(dim) = dim else { continue };
             let ExprKind::Ref(name) = &dim.kind else { continue };
             let Some(wanted) = self.named_type(name, declared_in) else { continue };
             if wanted == Type::Integer || matches!(e.kind, ExprKind::End) {
@@ -379,7 +388,7 @@ impl Evaluator<'_> {
         self.selection_value(&selection?, span)
     }
 
-    pub(super) fn selection_value(&mut self, selection: &Selection, span: Span) -> Option<Value> {
+    fn selection_value(&mut self, selection: &Selection, span: Span) -> Option<Value> {
         match selection {
             Selection::Whole(id) => self.instance_value(*id, span),
             Selection::Element(id, k) => self.variable_element(*id, *k, span).map(Value::Scalar),

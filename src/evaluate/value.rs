@@ -89,32 +89,6 @@ impl Value {
         }
     }
 
-    /// True if there are records in it.
-    pub fn has_records(&self) -> bool {
-        self.elements().iter().any(|v| matches!(v, Value::Record(_)))
-    }
-
-    /// The value with the fields of its records in the order of those of another value: records are compatible by the names
-    /// of their elements (section 6.5). An error is a name that is missing.
-    pub fn ordered_as(&self, other: &Value) -> Result<Value, Name> {
-        match (self, other) {
-            (Value::Array(own), Value::Array(others)) if own.dims == others.dims => {
-                let pairs = own.elements.iter().zip(&others.elements);
-                let elements = pairs.map(|(a, b)| a.ordered_as(b)).collect::<Result<_, _>>()?;
-                Ok(Value::array(own.dims.clone(), elements))
-            }
-            (Value::Record(own), Value::Record(others)) => {
-                let ordered = |(name, other): &(Name, Value)| {
-                    let field = own.fields.iter().find(|(n, _)| n == name).ok_or(*name)?;
-                    Ok((*name, field.1.ordered_as(other)?))
-                };
-                let fields = others.fields.iter().map(ordered).collect::<Result<_, Name>>()?;
-                Ok(Value::Record(Rc::new(Record { class: others.class, fields })))
-            }
-            _ => Ok(self.clone()),
-        }
-    }
-
     /// Applies `f` to each element, keeping the sizes.
     pub fn map(&self, mut f: impl FnMut(&Value) -> Option<Value>) -> Option<Value> {
         match self {

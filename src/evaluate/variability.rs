@@ -5,7 +5,7 @@ use super::cause::types::TypeCause;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::ir::ast::Variability;
-use crate::ir::expr::{Const, ExprId, Node, Type, Unary, VarId};
+use crate::ir::expr::{Binary, Const, ExprId, Node, Type, Unary, VarId};
 use crate::ir::instance::InstanceKind;
 impl Evaluator<'_> {
     /// The variability of an expression: the fastest of its operands.
@@ -35,7 +35,7 @@ impl Evaluator<'_> {
             let mut moves = false;
             self.graph.for_each_operand(n, |a| moves |= moving[&a]);
             let moves = match self.graph.node(n) {
-                Node::Clocked(..) => false,
+                Node::Clocked(..) | Node::Sample(..) => false,
                 _ if self.events.moving_results.contains(&n) => true,
                 Node::Var(v) => self.variable_variability(v) == Variability::Continuous,
                 Node::Time | Node::Der(_) | Node::Recorded(..) => true,
@@ -52,6 +52,32 @@ impl Evaluator<'_> {
             moving.insert(n, moves);
         }
         moving[&e]
+    }
+
+    /// Whether a value of discrete type may change though no event shows it (section 3.8.4): as
+    /// [`Evaluator::changes_between_events`], or because `noEvent` hides its relations. What is read
+    /// only where a relation with events holds may be hidden.
+    pub fn changes_unseen(&self, e: ExprId) -> bool {
+        self.changes_between_events(e) || self.is_hidden(e)
+    }
+
+    fn is_hidden(&self, e: ExprId) -> bool {
+        match self.graph.node(e) {
+            Node::NoEvent(inner) => self.reads_moving(inner),
+            Node::Unary(Unary::Not, a) => self.is_hidden(a),
+            Node::Binary(Binary::And | Binary::Or, a, b) => self.is_hidden(a) && self.is_hidden(b),
+            Node::If(c, a, b) => self.is_hidden(c) || self.is_hidden(a) && self.is_hidden(b),
+            _ => false,
+        }
+    }
+
+    /// Whether something in an expression changes between events, relations or not.
+    fn reads_moving(&self, e: ExprId) -> bool {
+        self.graph.any([e], |_, node| match node {
+            Node::Var(v) => self.variable_variability(v) == Variability::Continuous,
+            Node::Time | Node::Der(_) | Node::Recorded(..) => true,
+            _ => false,
+        })
     }
 
     /// Reports a value that changes between events for a variable that does not.

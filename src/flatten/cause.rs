@@ -47,6 +47,10 @@ causes! {
         error MO1277 ReinitTarget (section "8.3.6")
             => ("the first argument of `reinit` must be a state"),
             help("name a variable that is differentiated");
+        /// Two equations reinitialize one variable.
+        error MO0254 ReinitTwice { name: String } (section "8.3.6")
+            => ("`{name}` is reinitialized in two when-equations"),
+            help("join them by `elsewhen`, or let one `reinit` choose among both values");
         /// An assertion is false for the given parameters.
         error MO0233 Assertion { message: String } (section "8.3.7")
             => ("assertion failed: {message}"),
@@ -109,6 +113,10 @@ causes! {
                 Some(near) => format!("did you mean `{near}`?"),
                 None => "`mocc flatten FILE` lists all parameters".to_string(),
             }));
+        /// A parameter gets two values.
+        error MO0253 SetTwice { first: String, second: String }
+            => ("`{first}` and `{second}` set one parameter to two values"),
+            help("leave one of them out");
         /// A parameter override names a variable.
         error MO1213 OverriddenVariable { name: String }
             => ("`{name}` is a variable, not a parameter"),

@@ -18,8 +18,8 @@ use crate::evaluate::cause::types::{Expected, Pairing, TypeCause};
 use crate::evaluate::implicit_ranges::Body;
 use crate::evaluate::random_draw::Place;
 use crate::evaluate::value::Value;
-use crate::ir::ast::{self, Expr, ExprKind};
-use crate::ir::expr::{Const, ExprId, Type};
+use crate::ir::ast::{self, Expr, ExprKind, Variability};
+use crate::ir::expr::{Const, ExprId, Node, Type};
 use crate::ir::flat::{Assert, AssertionLevel, Equation, EquationKind, FlatModel, Origin};
 use crate::ir::instance::{InstanceId, Scope, SectionKind};
 
@@ -205,11 +205,17 @@ fn equate(
                 cx.report_types(span, Pairing::Equal, s, t);
                 return None;
             }
+            if gives_integer_fraction(cx, *a, *b, target.initial) {
+                let expected = Expected::Assigned { ty: "Integer".to_string() };
+                let found = "Real".to_string();
+                cx.report(TypeCause::WrongType { expected, found }, span);
+                return None;
+            }
             let discrete = |t: Type| !matches!(t, Type::Real | Type::String | Type::Clock);
             // Initial equations hold at a single instant, so continuity does not matter.
             if discrete(s) && discrete(t) && !target.initial {
                 for e in [*a, *b] {
-                    if cx.changes_between_events(e) {
+                    if cx.changes_unseen(e) {
                         cx.report_continuous(s, span);
                         return None;
                     }
@@ -249,6 +255,29 @@ fn equate(
             None
         }
     }
+}
+
+/// Whether an equation gives an Integer variable the value of a Real expression: that holds no
+/// unknown of type Real, which the equation could determine instead.
+fn gives_integer_fraction(cx: &Evaluator<'_>, a: ExprId, b: ExprId, initial: bool) -> bool {
+    let unknown = |n: ExprId| match cx.graph.node(n) {
+        Node::Var(_) => {
+            let variability = cx.variability(n);
+            variability > Variability::Parameter || initial && variability == Variability::Parameter
+        }
+        Node::Der(_) => true,
+        _ => false,
+    };
+    let gives = |variable: ExprId, value: ExprId| {
+        let is_integer = matches!(cx.graph.node(variable), Node::Var(_))
+            && cx.graph.ty(variable) == Type::Integer
+            && unknown(variable);
+        let is_real = |n: &ExprId| cx.graph.ty(*n) == Type::Real;
+        is_integer
+            && is_real(&value)
+            && !cx.graph.postorder([value]).iter().any(|n| is_real(n) && unknown(*n))
+    };
+    gives(a, b) || gives(b, a)
 }
 
 fn real_literal(cx: &mut Evaluator<'_>, e: ExprId, other: Type) -> ExprId {

@@ -21,6 +21,7 @@ pub mod open_equation;
 mod ownership;
 pub mod parameter_override;
 pub mod print;
+mod reinit;
 pub mod variable;
 mod passage;
 pub mod start_offset;
@@ -118,6 +119,7 @@ fn flatten_with(
         equation::of_object(cx, object, &mut flat, &mut connections);
     }
     inspect(cx, root, &mut connections, &flat);
+    reinit::check(cx, &flat);
     connections.equations(cx, root, &mut flat);
     flat.ownership = ownership::of(cx, root, &flat);
     flat.experiment = experiment::inherited(cx, class, root);

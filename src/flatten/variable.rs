@@ -293,7 +293,7 @@ fn binding(
     let value = if is_field { cx.with_own_events(&value) } else { value };
     if !matches!(ty, Type::Real | Type::String) && !cx.from_outside(span) {
         let mut scalars = value.elements().iter().filter_map(Value::scalar);
-        if scalars.any(|e| cx.changes_between_events(e)) {
+        if scalars.any(|e| cx.changes_unseen(e)) {
             cx.report_continuous(ty, span);
             return;
         }

@@ -39,7 +39,13 @@ pub(super) fn branches(
 /// The scalar conditions of a branch: one, or the elements of a vector.
 fn conditions(cx: &mut Evaluator<'_>, e: &Expr, scope: Scope) -> Option<Vec<ExprId>> {
     let value = cx.evaluate(e, scope)?;
-    value.elements().iter().map(|v| cx.boolean_of(v, e.span)).collect()
+    let list: Option<Vec<ExprId>> =
+        value.elements().iter().map(|v| cx.boolean_of(v, e.span)).collect();
+    if list.iter().flatten().any(|c| cx.changes_unseen(*c)) {
+        cx.report_continuous(Type::Boolean, e.span);
+        return None;
+    }
+    list
 }
 
 fn action(
@@ -152,10 +158,12 @@ fn assign(
     span: Span,
     out: &mut Vec<Action>,
 ) -> Option<()> {
-    if left.elements().len() != right.elements().len() {
+    if left.dims() != right.dims() {
         cx.report_sizes(Pair::Sides, left, right, span);
         return None;
     }
+    let pattern = cx.pattern_of_value(left);
+    let right = cx.fitted(&pattern, &[], right.clone(), span)?;
     for (a, b) in left.elements().iter().zip(right.elements()) {
         match (a, b) {
             (Value::Record(r), Value::Record(s)) => {
@@ -204,10 +212,12 @@ fn call_action(
                 return None;
             };
             let (x, e) = (cx.evaluate(state, scope)?, cx.evaluate(value, scope)?);
-            if x.elements().len() != e.elements().len() {
+            if x.dims() != e.dims() {
                 cx.report_sizes(Pair::StateAndValue, &x, &e, call.span);
                 return None;
             }
+            let pattern = cx.pattern_of_value(&x);
+            let e = cx.fitted(&pattern, &[], e, value.span)?;
             for (a, b) in x.elements().iter().zip(e.elements()) {
                 let (a, b) = (a.scalar()?, b.scalar()?);
                 let Node::Var(v) = cx.graph.node(a) else {

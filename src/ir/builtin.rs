@@ -363,13 +363,13 @@ macro_rules! binary_builtins {
             }
             Min {
                 (["min"], Overloaded, Operand, Sum, Kink, Inline)
-                if b < a || a.is_nan() { b } else { a };
+                if b < a || b.is_nan() { b } else { a };
                 if a <= b { (1.0, 0.0) } else { (0.0, 1.0) };
                 chosen(g, Binary::LessEqual, a, b, seed)
             }
             Max {
                 (["max"], Overloaded, Operand, Sum, Kink, Inline)
-                if b > a || a.is_nan() { b } else { a };
+                if b > a || b.is_nan() { b } else { a };
                 if a >= b { (1.0, 0.0) } else { (0.0, 1.0) };
                 chosen(g, Binary::GreaterEqual, a, b, seed)
             }

@@ -45,6 +45,13 @@ pub struct ParameterOverride {
     pub used: std::cell::Cell<bool>,
 }
 
+impl ParameterOverride {
+    /// The number of subscripts in the name.
+    pub fn subscript_count(&self) -> usize {
+        self.parts.iter().map(|(_, subscripts)| subscripts.len()).sum()
+    }
+}
+
 /// A binding with its scope.
 #[derive(Clone, Debug)]
 pub struct Binding {

@@ -13,7 +13,7 @@ use crate::base::source::Span;
 use crate::classes::ClassGraph;
 use crate::ir::ast::{
     ArgumentKind, Causality, Class, ClassBody, ClassKind, ComponentRef, Composition, ElementKind,
-    ImportForm, Modification, Statement, StatementKind,
+    Ident, ImportForm, Modification, Statement, StatementKind,
 };
 use crate::ir::instance::{ClassId, EntryKind, Scope};
 
@@ -27,6 +27,8 @@ struct Around<'a> {
     inside: Option<WhenPlace>,
     /// Inputs of the function.
     inputs: &'a FastMap<Name, Span>,
+    /// The iterators of the loops around it.
+    iterators: &'a [Ident],
 }
 
 /// Checks the body of a class whose elements are known, once per definition.
@@ -50,6 +52,7 @@ pub(crate) fn check_body(cx: &mut ClassGraph<'_>, class: ClassId, text: &Arc<Cla
                     in_loop: false,
                     inside: None,
                     inputs: &inputs,
+                    iterators: &[],
                 };
                 check_statements(cx.problems, &section.statements, around);
             }
@@ -141,8 +144,11 @@ fn check_statements(problems: &mut Problems, list: &[Statement], around: Around<
                 }
                 check_statements(problems, otherwise, inner);
             }
-            StatementKind::For { body, .. } => {
-                let inner = Around { inside: Some(WhenPlace::For), in_loop: true, ..around };
+            StatementKind::For { iterators, body } => {
+                let own = iterators.iter().map(|iterator| iterator.name);
+                let iterators: Vec<Ident> = around.iterators.iter().copied().chain(own).collect();
+                let inside = Some(WhenPlace::For);
+                let inner = Around { inside, in_loop: true, iterators: &iterators, ..around };
                 check_statements(problems, body, inner);
             }
             StatementKind::While { body, .. } => {
@@ -182,6 +188,13 @@ fn check_when(problems: &mut Problems, span: Span, around: Around<'_>) {
 
 fn check_target(problems: &mut Problems, target: &ComponentRef, around: Around<'_>) {
     let first = target.parts[0].name;
+    if let Some(iterator) = around.iterators.iter().rfind(|i| i.name == first.name) {
+        problems.push(
+            Diagnostic::new(ElementCause::IteratorAssigned { name: first.name }, first.span)
+                .also(iterator.span, "counts this loop"),
+        );
+        return;
+    }
     let Some(declared) = around.inputs.get(&first.name) else { return };
     problems.push(
         Diagnostic::new(ElementCause::InputAssigned { name: first.name }, first.span)

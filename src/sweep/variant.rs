@@ -78,7 +78,7 @@ impl Model {
         session: &mut Session,
     ) -> Result<Compiled, CompileError> {
         let mut request = self.request.clone();
-        request.settings.extend_from_slice(settings);
+        request.set(settings);
         let (mut program, mut plan) = session.compile_measured(&request, &self.measures)?;
         match &self.keep {
             Some(keep) => plan.record(&mut program, |name| keep(name)),
@@ -142,7 +142,7 @@ impl Variants {
             return Ok(());
         }
         let mut request = self.model.request.clone();
-        request.settings.extend(settings);
+        request.set(&settings);
         match session.flatten(&request) {
             Err(CompileError::Request) => Err(CompileError::Request),
             // An error at these values alone is the outcome of their run.

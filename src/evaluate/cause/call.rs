@@ -59,6 +59,10 @@ causes! {
         error MO1254 DerivativeByOther { function: Name, name: Name } (section "12.7.2")
             => ("cannot differentiate `{function}` by `{name}`, which is not Real"),
             help("differentiate by inputs of type Real only");
+        /// A function assigns nothing to one of its outputs.
+        error MO0252 UnassignedOutput { function: Name, name: Name } (section "12.4.4")
+            => ("output `{name}` of `{function}` never gets a value"),
+            help("assign it in the algorithm of the function, or give it a default: `= ...`");
         /// A loop runs longer than mocc allows.
         error MO0221 EndlessLoop { most: usize }
             => ("this loop runs more than {most} times"),

@@ -35,7 +35,7 @@ causes! {
             => ("a value of type {of} may change at events only, but this changes between them"),
             help("{}", match of.as_str() {
                 "String" => "put the string together in a when-clause",
-                _ => "write the relation where the function is called, \
+                _ => "write the relation in the model, outside of functions and without `noEvent`, \
                       or compute it in a when-clause",
             });
     }
@@ -56,6 +56,15 @@ pub enum Expected {
     Subscript,
     /// The Integer or Real bounds and step of a range.
     RangeBound,
+    /// An array with so many dimensions.
+    Array {
+        dimensions: usize,
+    },
+    Record,
+    /// What is assigned to a variable of this type.
+    Assigned {
+        ty: String,
+    },
     /// The value or attribute of a variable, of this type.
     Attribute {
         attribute: String,
@@ -79,6 +88,20 @@ impl Expected {
             Expected::Integer | Expected::Subscript => "use an Integer expression",
             Expected::Vector => "write a range such as `1:n`, or an array with one dimension",
             Expected::Message => "write `String(x)` for the value of an expression",
+            Expected::Array { dimensions: 1 } => "write a vector, such as `{1, 2, 3}`",
+            Expected::Array { .. } => "give it as many dimensions as the variable has",
+            Expected::Record => "use a record with the same fields",
+            Expected::Assigned { ty } => match (ty.as_str(), found) {
+                ("Integer", "Real") => {
+                    "round it, as in `integer(x)`, or declare the variable as `Real`"
+                }
+                ("Integer" | "Real", "Boolean") => {
+                    "write `if b then 1 else 0` for the number of a Boolean"
+                }
+                ("Boolean", "Integer" | "Real") => "write a comparison, such as `x > 0`",
+                ("String", _) => "write `String(x)` for the string of a value",
+                _ => return Some(format!("use an expression of type {ty}")),
+            },
             Expected::Attribute { ty, .. } => {
                 return Some(format!("use an expression of type {ty}"));
             }
@@ -99,6 +122,12 @@ impl fmt::Display for Expected {
             Expected::Message => "a String as the message",
             Expected::Subscript => "an Integer as the subscript",
             Expected::RangeBound => "numbers in a range",
+            Expected::Array { dimensions: 1 } => "a vector",
+            Expected::Array { dimensions } => {
+                return write!(f, "an array with {dimensions} dimensions");
+            }
+            Expected::Record => "a record",
+            Expected::Assigned { ty } => return write!(f, "a value of type {ty}"),
             Expected::Attribute { attribute, ty } if attribute == "value" => {
                 return write!(f, "a value of type {ty}");
             }

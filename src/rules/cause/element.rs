@@ -67,6 +67,10 @@ causes! {
         /// A when-statement is where none may occur.
         error MO1271 MisplacedWhen { inside: WhenPlace } (section "11.2.7.1")
             => ("`when` is inside of {inside}"), help("{}", inside.remedy());
+        /// A statement assigns the iterator of a loop around it.
+        error MO0251 IteratorAssigned { name: Name } (section "11.2.2")
+            => ("loop variable `{name}` is assigned"),
+            help("let the range of the loop give it its values, or count with a variable of its own in a `while`");
         /// A function assigns one of its inputs.
         error MO0266 InputAssigned { name: Name } (section "12.2")
             => ("input `{name}` of a function is assigned"),

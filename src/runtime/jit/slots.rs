@@ -319,10 +319,10 @@ impl<'a, 'k> FragmentBuilder<'a, 'k> {
             .filter(|n| n.fract() == 0.0 && n.abs() <= MAX_UNROLLED_POWER)
     }
 
-    /// `b` if it is beyond `a` or `a` is NaN, else `a`.
+    /// `b` if it is beyond `a` or NaN, else `a`: NaN if one of them is.
     fn extreme(&mut self, beyond: FloatCC, a: Value, b: Value) -> Value {
         let further = self.build.ins().fcmp(beyond, b, a);
-        let missing = self.build.ins().fcmp(FloatCC::Unordered, a, a);
+        let missing = self.build.ins().fcmp(FloatCC::Unordered, b, b);
         let other = self.build.ins().bor(further, missing);
         self.build.ins().select(other, b, a)
     }

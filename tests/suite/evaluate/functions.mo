@@ -434,6 +434,6 @@ model Lacks
   S s(a = 1, c = 2);
   R r;
 algorithm
-  //@ error[MO1221] 3-4
+  //@ error[MO1221] 3-8
   r := s;
 end Lacks;

@@ -65,3 +65,25 @@ package Logic
 end Logic;
 //@ expect both.v, one.v, mixed.v, known, said at start = -1, 0, 1, 1, 0
 //@ expect both.v, one.v, mixed.v, known, said = 0, 1, 0, 0, 1
+
+//@ case operands_of_other_types
+model Operands
+  Real x[2] = {1, 2};
+  //@ error[MO0219] 15-24
+  Boolean a = initial(3);
+  //@ error[MO0212] 14-17
+  Real b = x[true];
+  //@ error[MO0212] 15-36
+  Integer c = product({true, false});
+  //@ error[MO0212] 21-24
+  Real d = homotopy(true, false);
+end Operands;
+
+//@ case undefined_in_max
+//@ run stop=1
+//@ status 3
+// A root that does not exist is not replaced by the other operand.
+model Root
+  //@ error[MO0902] 8
+  Real y = max(sqrt(time - 0.5), 1);
+end Root;

@@ -38,6 +38,7 @@ model Discrete
   //@ error[MO0248] 24
   discrete Real held = 1;
 equation
+  //@ error[MO0247] 3-29
   quiet = noEvent(time > 0.7);
 end Discrete;
 
