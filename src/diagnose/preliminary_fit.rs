@@ -47,7 +47,7 @@ pub fn with_preliminary_fits(
     candidates.extend(variations(search.study, &all));
     let mut fits = PreliminaryFits::new(search, from, &candidates);
     let kinds = [0..named, named..candidates.len()];
-    fits.advance(search, &[0..candidates.len()], 1);
+    fits.advance(search, &kinds, 1);
     fits.advance(search, &kinds, HALVING);
     let left = fits.shares_left();
     // Those that leave about the same, or nothing but noise, stay in the order of their scores.
