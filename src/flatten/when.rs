@@ -167,11 +167,7 @@ fn assign(
     for (a, b) in left.elements().iter().zip(right.elements()) {
         match (a, b) {
             (Value::Record(r), Value::Record(s)) => {
-                for (name, x) in &r.fields {
-                    let Some((_, y)) = s.fields.iter().find(|(n, _)| n == name) else {
-                        cx.report(TypeCause::MissingField { name: *name }, span);
-                        return None;
-                    };
+                for ((_, x), (_, y)) in r.fields.iter().zip(&s.fields) {
                     assign(cx, x, y, span, out)?;
                 }
             }

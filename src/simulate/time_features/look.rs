@@ -8,8 +8,9 @@ use super::dependence::{Expressions, Watched, is_oscillation};
 
 /// Accuracy of the location of an extremum, as a fraction of the run.
 const LOCATION_TOLERANCE: f64 = 1e-12;
-/// Distance of points, relative to the time, from which rates are those of the expressions.
-const RESOLVED: f64 = 1e-9;
+/// Distance of points, relative to the time, from which rates are those of the expressions: some thousand times the spacing
+/// of doubles.
+const RESOLVED: f64 = 1e-12;
 /// Bisections that locate a jump to the spacing of doubles.
 const BISECTIONS: u32 = 60;
 

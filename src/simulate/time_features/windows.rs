@@ -15,17 +15,17 @@ pub struct Windows<'p> {
     /// The expressions.
     pub look: Look<'p>,
     /// For each slot, whether a sine or cosine in it counts.
-    pub sharpened: Vec<bool>,
+    sharpened: Vec<bool>,
     /// Distance of the points of the grid, s.
-    pub spacing: f64,
+    spacing: f64,
     /// Least distance, s.
-    pub least_spacing: f64,
+    least_spacing: f64,
     /// Intervals of a window.
-    pub intervals: f64,
+    intervals: f64,
     /// Where the look begins and ends, s.
-    pub range: (f64, f64),
+    range: (f64, f64),
     /// Where the windows so far end, s.
-    pub covered: f64,
+    covered: f64,
     /// Instants of features in the last windows, ascending, s.
     instants: Vec<f64>,
     next: usize,
@@ -84,7 +84,9 @@ impl<'p> Windows<'p> {
         let from = (self.covered - 2.0 * self.spacing).max(self.range.0);
         let left = ((self.range.1 - from) / self.spacing).ceil().max(1.0);
         let intervals = left.min(self.intervals);
-        let to = if intervals < left { from + intervals * self.spacing } else { self.range.1 };
+        let end = from + intervals * self.spacing;
+        // Far from zero the points may be closer than doubles are.
+        let to = if intervals < left && end > self.covered { end } else { self.range.1 };
         self.look.found.clear();
         self.look.scan(from, to, intervals as usize);
         let wanted = spacing_for(self.look.fastest(&self.sharpened)).max(self.least_spacing);
