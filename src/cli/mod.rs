@@ -47,6 +47,7 @@ pub mod stream;
 pub mod sweep;
 pub mod terminal;
 pub mod test;
+pub mod wanted_unit;
 pub mod watch;
 pub mod writer;
 

@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 
 use super::args::model::is_standard;
 use super::standard_input;
+use super::wanted_unit::once_each;
 use crate::base::diag::did_you_mean;
 use crate::driver::quantity::{conversion, scale_of};
 use crate::io::number_table::NumberTable;
@@ -48,13 +49,7 @@ impl Table {
             true => NumberTable::of_bytes(path, read_once().as_bytes())?,
             false => NumberTable::read(path)?,
         };
-        for (k, (name, unit)) in units.iter().enumerate() {
-            if let Some((_, first)) = units[..k].iter().find(|(other, _)| other == name) {
-                if first != unit {
-                    return Err(format!("--unit: `{name}` is wanted in `{first}` and in `{unit}`"));
-                }
-                continue;
-            }
+        for (name, unit) in once_each(units)? {
             convert(path, &mut content, name, unit)?;
         }
         let names = content.columns.iter().map(|c| c.name.clone()).collect();

@@ -10,6 +10,7 @@ use super::run_summary::summary_json;
 use super::standard::real_path;
 use super::start_text::Start;
 use super::stream::{OtherUnit, Stream, drawable};
+use super::wanted_unit::once_each;
 use super::{
     Status, fmu_host, interrupt, other_means, print, print_file, running, say, standard, style,
 };
@@ -335,20 +336,13 @@ impl Files {
 /// The columns that the user wants in other units. The error is a message.
 fn other_units(options: &Simulate, columns: &[Column]) -> Result<Vec<OtherUnit>, String> {
     let mut out = Vec::new();
-    for (name, unit) in &options.units {
+    for (name, unit) in once_each(&options.units)? {
         let column = position(columns, name).ok_or_else(|| {
             let near = did_you_mean(name, columns.iter().map(|c| c.name.as_str()));
             let near = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
             format!("--unit: the run records no variable `{name}`{near}")
         })?;
         scale_of(unit).ok_or_else(|| format!("--unit: `{unit}` is not a known unit"))?;
-        if let Some(first) = out.iter().find(|o: &&OtherUnit| o.column == column) {
-            if first.unit != *unit {
-                let first = &first.unit;
-                return Err(format!("--unit: `{name}` is wanted in `{first}` and in `{unit}`"));
-            }
-            continue;
-        }
         let declared = &columns[column].unit;
         let Some(conversion) = conversion(declared, unit) else {
             let declared = if declared.is_empty() { "1" } else { declared };

@@ -164,11 +164,22 @@ fn assign(
     }
     let pattern = cx.pattern_of_value(left);
     let right = cx.fitted(&pattern, &[], right.clone(), span)?;
+    assign_fitted(cx, left, &right, span, out)
+}
+
+/// As [`assign`], of a value with the sizes of the variable and the order of its fields.
+fn assign_fitted(
+    cx: &mut Evaluator<'_>,
+    left: &Value,
+    right: &Value,
+    span: Span,
+    out: &mut Vec<Action>,
+) -> Option<()> {
     for (a, b) in left.elements().iter().zip(right.elements()) {
         match (a, b) {
             (Value::Record(r), Value::Record(s)) => {
                 for ((_, x), (_, y)) in r.fields.iter().zip(&s.fields) {
-                    assign(cx, x, y, span, out)?;
+                    assign_fitted(cx, x, y, span, out)?;
                 }
             }
             _ => {

@@ -195,6 +195,8 @@ fn values_have_units() {
     assert!(run(&["--set", "p=3 baar"]).contains("error[MO1410]: unknown unit `baar`"));
     assert!(run(&["--set", "p=3 mm"]).contains("error[MO1411]: cannot convert `mm` to `Pa`"));
     assert!(run(&["--unit", "q=mm"]).contains("`q` is in `Pa`, which `mm` does not measure"));
+    let twice = run(&["--unit", "q=bar", "--unit", "q=kPa"]);
+    assert!(twice.contains("`q` is wanted in `bar` and in `kPa`"), "{twice}");
     assert!(run(&["--unit", "qq=bar"]).contains("no variable `qq`"));
     assert!(run(&["--unit", "q"]).contains("NAME=UNIT"));
 }

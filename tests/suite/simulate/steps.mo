@@ -372,3 +372,17 @@ equation
 end Both;
 //@ run stop=200
 //@ expect n, m = 400
+
+//@ case fast_source_far_from_zero
+// The sine is fast for the steps, and times are a million times as long as the run.
+model Late
+  Integer n(start = 0, fixed = true);
+  Real x(start = 0.5, fixed = true);
+equation
+  der(x) = 0;
+  when sin(2*3.141592653589793*50*(time - 1e6)) > x then
+    n = pre(n) + 1;
+  end when;
+  annotation(experiment(StartTime = 1e6, StopTime = 1000001));
+end Late;
+//@ expect n = 50
