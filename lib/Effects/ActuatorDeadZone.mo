@@ -14,5 +14,5 @@ equation
   annotation(__mocc(
     effect   = "acts=y; amplitude=a>0; b=0.03*max(size_of_u),0.1*max(size_of_u),0.3*max(size_of_u)",
     law      = "y = u - a max(-b, min(b, u))",
-    explains = "The input %at acts beyond a dead zone."));
+    explains = "The signal %at acts beyond a dead zone."));
 end ActuatorDeadZone;

@@ -14,5 +14,5 @@ equation
   annotation(__mocc(
     effect   = "acts=y; order=first; amplitude=t_d>0; T_min=1e-7*span(t)",
     law      = "y(t) = u(t - t_d)",
-    explains = "The input %at acts after a dead time."));
+    explains = "The signal %at acts after a dead time."));
 end ActuatorDelay;

@@ -9,5 +9,5 @@ equation
   annotation(__mocc(
     effect   = "acts=y; amplitude=g",
     law      = "y = (1 + g) u",
-    explains = "The input %at acts with another gain."));
+    explains = "The signal %at acts with another gain."));
 end ActuatorGain;

@@ -15,5 +15,5 @@ equation
   annotation(__mocc(
     effect   = "acts=y; amplitude=h>0; w=0.02*span(u),0.1*span(u)",
     law      = "y = u - h z",
-    explains = "The input %at acts with hysteresis."));
+    explains = "The signal %at acts with hysteresis."));
 end ActuatorHysteresis;

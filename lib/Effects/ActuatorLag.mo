@@ -20,5 +20,5 @@ equation
   annotation(__mocc(
     effect   = "acts=y; amplitude=T>0; T_min=1e-5*span(t)",
     law      = "T dy/dt = u - y",
-    explains = "The input %at acts with a lag."));
+    explains = "The signal %at acts with a lag."));
 end ActuatorLag;

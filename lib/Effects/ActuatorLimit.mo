@@ -15,5 +15,5 @@ equation
   annotation(__mocc(
     effect   = "acts=y; amplitude=a>0; y_max=0.3*max(size_of_u),0.5*max(size_of_u),0.7*max(size_of_u),0.9*max(size_of_u)",
     law      = "y = u - a (u - max(-y_max, min(y_max, u)))",
-    explains = "The input %at acts up to a limit."));
+    explains = "The signal %at acts up to a limit."));
 end ActuatorLimit;

@@ -12,5 +12,5 @@ equation
   annotation(__mocc(
     effect   = "acts=y; amplitude=a>0; y_min=u(6)",
     law      = "y = u - a min(0, u - y_min)",
-    explains = "The input %at acts down to a least value."));
+    explains = "The signal %at acts down to a least value."));
 end ActuatorLowerLimit;

@@ -9,5 +9,5 @@ equation
   annotation(__mocc(
     effect   = "acts=y; amplitude=offset",
     law      = "y = u + offset",
-    explains = "The input %at acts with an offset."));
+    explains = "The signal %at acts with an offset."));
 end ActuatorOffset;

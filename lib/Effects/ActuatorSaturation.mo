@@ -10,5 +10,5 @@ equation
   annotation(__mocc(
     effect   = "acts=y; amplitude=k>0",
     law      = "y = u/sqrt(1 + k u^2)",
-    explains = "The input %at acts with saturation."));
+    explains = "The signal %at acts with saturation."));
 end ActuatorSaturation;

@@ -16,5 +16,5 @@ equation
   annotation(__mocc(
     effect   = "acts=y; amplitude=a>0; y_max=u(6); delta=1e-4*span(below_zero)",
     law      = "y = u - a max(0, u - y_max)",
-    explains = "The input %at acts up to a greatest value."));
+    explains = "The signal %at acts up to a greatest value."));
 end ActuatorUpperLimit;

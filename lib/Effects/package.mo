@@ -13,6 +13,7 @@ package Effects "Physical effects that a model may lack"
   //   s_0=s(15)             the same: 15 values, evenly spaced over the range of the effect's variable s in the base run
   //   s_lo=min(s)           the same: the least (max: the greatest) value of the effect's variable s in the base run
   //   w=0.02*span(u)        the same: a multiple of max(u) - min(u); if it is 0, the effect is not tried
+  //   r=2*span(u)/span(t)   the same: a multiple of the range of u per range of t
   //   V=0.1*max(v)          the same: a multiple of the greatest value
   //   host=port_a,port_b    attach to one component that has connectors of these names and classes, each to its namesake;
   //                         without it, an effect with one connector is attached to every connection set of such
@@ -27,9 +28,11 @@ package Effects "Physical effects that a model may lack"
   //                         state or a measured variable. The inputs of the effect are bound to variables of the model of
   //                         their units; an input without a unit, to any
   //   of=state              the input is bound to that state only; of a measured variable, to any
-  //   acts=y                equations of the model read this variable of the effect in place of an input of the model, to
-  //                         which the first input of the effect is bound
-  //   order=first           of several such effects on one input, this one reads the recording itself
+  //   acts=y                equations of the model read this variable of the effect in place of a signal, to which the
+  //                         first input of the effect is bound: an input of the model, an output of a component, or a
+  //                         variable that an equation of the model is solved for
+  //   order=first           of several such effects on one input, this one reads the recording itself; it acts on no
+  //                         other signal
   // Without `host`, connectors of a model may be of another class, its own or that of a library, if they mean the same:
   // one potential and one flow with the units of the effect's connector, or where none are declared, with its names. The
   // model is then extended by an adapter.

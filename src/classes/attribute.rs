@@ -21,6 +21,11 @@ pub const ATTRIBUTES: [&str; 11] = [
     "value",
 ];
 
+/// True for the name of an attribute.
+pub fn is_attribute(text: Name) -> bool {
+    ATTRIBUTES.contains(&text.as_str())
+}
+
 /// Whether subscripts name an element, or a row, of an array of these sizes.
 pub fn is_within(subscripts: &[usize], dims: &[usize]) -> bool {
     subscripts.len() <= dims.len() && subscripts.iter().zip(dims).all(|(k, n)| (1..=*n).contains(k))

@@ -145,10 +145,11 @@ impl ClassGraph<'_> {
         self.problems.push(Diagnostic::new(cause, span).label("not found"));
     }
 
-    pub(crate) fn report_unknown_attribute(&mut self, id: InstanceId, text: Name, span: Span) {
+    /// `path` is that of a variable, or the name of its type.
+    pub(crate) fn report_unknown_attribute(&mut self, path: String, text: Name, span: Span) {
         let attributes = super::attribute::ATTRIBUTES;
         let others = Alternatives::of(text, &attributes);
-        let cause = ClassCause::UnknownAttribute { path: self.path(id), name: text, others };
+        let cause = ClassCause::UnknownAttribute { path, name: text, others };
         self.problems.push(Diagnostic::new(cause, span).label("not an attribute"));
     }
 

@@ -4,6 +4,7 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
+use super::attribute::is_attribute;
 use super::{ClassGraph, DefinitionRules};
 use crate::base::diag::Problems;
 use crate::base::name::{Name, name};
@@ -531,6 +532,12 @@ impl ClassGraph<'_> {
         table.lacks_base |= inherited.lacks_base;
         if let Some(ty) = inherited.scalar {
             table.scalar = Some(ty);
+            let path = self.classes[base].full_name.to_string();
+            for name in layers.iter().flat_map(|(modification, _)| modification.names()) {
+                if !is_attribute(name.name) {
+                    self.report_unknown_attribute(path.clone(), name.name, name.span);
+                }
+            }
             table.layers.extend(layers.iter().map(|(modification, class)| Layer {
                 source: LayerSource::Whole(modification.clone()),
                 scope: self.outside(*class),

@@ -5,6 +5,7 @@ use std::rc::Rc;
 
 use super::cause::ClassCause;
 use super::inheritance::is_class_extends;
+use super::predefined::is_predefined;
 use super::{ClassGraph, ROOT};
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
@@ -100,6 +101,11 @@ impl ClassGraph<'_> {
         instance: InstanceId,
     ) -> Option<ClassId> {
         if class == ROOT.class {
+            // No file is opened for a name that the language defines.
+            let is_given = |name| self.library.file_classes().iter().any(|c| c.name.name == name);
+            if is_predefined(&wanted) && !is_given(wanted) {
+                return None;
+            }
             let text = self.library.top(wanted, self.sources, self.problems)?;
             return Some(self.class_in(&text, ROOT.class, ROOT.instance));
         }

@@ -13,6 +13,7 @@ pub mod cause;
 pub mod error;
 pub mod inheritance;
 pub mod lookup;
+pub mod predefined;
 pub mod snapshot;
 pub(crate) mod type_lookup;
 pub mod unsupported;

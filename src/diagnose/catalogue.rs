@@ -121,34 +121,47 @@ pub enum Start {
     Multiple(f64, String),
     /// This multiple of the greatest value of a variable.
     MultipleOfGreatest(f64, String),
+    /// This multiple of one variable's range per range of another.
+    MultipleOfRate(f64, String, String),
 }
 
 impl Start {
-    /// The variable whose range it depends on.
-    pub fn variable(&self) -> Option<&str> {
-        match self {
-            Start::Value(_) => None,
+    /// The variables whose ranges it depends on.
+    pub fn variables(&self) -> impl Iterator<Item = &str> {
+        let (first, second) = match self {
+            Start::Value(_) => (None, None),
             Start::Spread(v, _)
             | Start::Least(v)
             | Start::Greatest(v)
             | Start::Multiple(_, v)
-            | Start::MultipleOfGreatest(_, v) => Some(v),
-        }
+            | Start::MultipleOfGreatest(_, v) => (Some(v), None),
+            Start::MultipleOfRate(_, v, per) => (Some(v), Some(per)),
+        };
+        first.into_iter().chain(second).map(String::as_str)
     }
 
-    /// Its values if the variable covers this range; none where a scale or a place over the range is asked for and
+    /// Its values if the variables cover these ranges; none where a scale or a place over the range is asked for and
     /// the variable is constant.
-    pub fn values(&self, (low, high): (f64, f64)) -> Vec<f64> {
-        match *self {
-            Start::Value(x) => vec![x],
-            Start::Least(_) => vec![low],
-            Start::Greatest(_) => vec![high],
-            Start::MultipleOfGreatest(factor, _) => vec![factor * high],
-            Start::Spread(..) | Start::Multiple(..) if high <= low => Vec::new(),
-            Start::Multiple(factor, _) => vec![factor * (high - low)],
+    pub fn values(&self, range: impl Fn(&str) -> (f64, f64)) -> Vec<f64> {
+        let span = |v: &str| {
+            let (low, high) = range(v);
+            (high > low).then_some(high - low)
+        };
+        match self {
+            Start::Value(x) => vec![*x],
+            Start::Least(v) => vec![range(v).0],
+            Start::Greatest(v) => vec![range(v).1],
+            Start::MultipleOfGreatest(factor, v) => vec![factor * range(v).1],
+            Start::Multiple(factor, v) => span(v).map(|span| factor * span).into_iter().collect(),
+            Start::MultipleOfRate(factor, v, per) => {
+                let rate = span(v).and_then(|span_of_v| Some(span_of_v / span(per)?));
+                rate.map(|rate| factor * rate).into_iter().collect()
+            }
             // At the centres of equal intervals.
-            Start::Spread(_, n) => {
-                (0..n).map(|k| low + (high - low) * (k as f64 + 0.5) / n as f64).collect()
+            Start::Spread(v, n) => {
+                let place =
+                    |span: f64, k| range(v).0 + span * (f64::from(k as u32) + 0.5) / *n as f64;
+                span(v).map_or_else(Vec::new, |span| (0..*n).map(|k| place(span, k)).collect())
             }
         }
     }
@@ -434,6 +447,13 @@ fn start(item: &str) -> Option<Start> {
     if let Ok(value) = item.parse() {
         return Some(Start::Value(value));
     }
+    if let Some((above, below)) = item.split_once('/') {
+        let per = below.trim().strip_prefix("span(")?.strip_suffix(')')?.trim().to_owned();
+        return match start(above.trim())? {
+            Start::Multiple(factor, v) => Some(Start::MultipleOfRate(factor, v, per)),
+            _ => None,
+        };
+    }
     let (head, rest) = item.split_once('(')?;
     let inner = rest.strip_suffix(')')?.trim().to_owned();
     match head.trim() {
@@ -488,9 +508,15 @@ mod tests {
 
     #[test]
     fn a_spread_keeps_off_the_ends() {
-        assert_eq!(Start::Spread("s".into(), 2).values((0.0, 4.0)), [1.0, 3.0]);
-        assert_eq!(Start::Multiple(0.5, "s".into()).values((1.0, 4.0)), [1.5]);
-        assert_eq!(Start::MultipleOfGreatest(0.5, "s".into()).values((1.0, 4.0)), [2.0]);
-        assert!(Start::Multiple(0.5, "s".into()).values((1.0, 1.0)).is_empty());
+        let over = |low: f64, high: f64| move |_: &str| (low, high);
+        assert_eq!(Start::Spread("s".into(), 2).values(over(0.0, 4.0)), [1.0, 3.0]);
+        assert_eq!(Start::Multiple(0.5, "s".into()).values(over(1.0, 4.0)), [1.5]);
+        assert_eq!(Start::MultipleOfGreatest(0.5, "s".into()).values(over(1.0, 4.0)), [2.0]);
+        assert!(Start::Multiple(0.5, "s".into()).values(over(1.0, 1.0)).is_empty());
+        let rate = start("3*span(u)/span(t)").unwrap();
+        assert_eq!(rate.variables().collect::<Vec<_>>(), ["u", "t"]);
+        let range = |v: &str| if v == "u" { (1.0, 2.0) } else { (0.0, 6.0) };
+        assert_eq!(rate.values(range), [0.5]);
+        assert_eq!(start("3*max(u)/span(t)"), None);
     }
 }

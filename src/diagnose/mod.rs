@@ -24,6 +24,7 @@ pub mod formula_fit;
 pub mod forward_selection;
 pub mod grade;
 pub mod hypothesis;
+pub mod inner_signals;
 pub mod json;
 pub mod law_choice;
 pub mod law_refinement;

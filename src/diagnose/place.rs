@@ -86,13 +86,13 @@ pub fn places(
     effect: &Effect,
     inventory: &Inventory,
     variables: &FastSet<&str>,
-    plan: &Plan,
+    (plan, inner_signals): (&Plan, &[String]),
 ) -> Vec<Place> {
     if effect.of_signal {
         return signals(plan);
     }
     if effect.acts.is_some() {
-        return inputs(effect, plan);
+        return passages(effect, plan, inner_signals);
     }
     if effect.built_in || !effect.host.is_empty() {
         let mut all: Vec<Place> = match effect.built_in {
@@ -158,14 +158,16 @@ fn signals(plan: &Plan) -> Vec<Place> {
     plan.signals.iter().enumerate().map(place).collect()
 }
 
-/// The inputs of the model that recordings drive.
-fn inputs(effect: &Effect, plan: &Plan) -> Vec<Place> {
+/// The signals that an actuator may act on: inputs of the model that recordings drive, and signals within it. What must read
+/// the recording itself acts on inputs only: a dead time in a loop would bound the steps.
+fn passages(effect: &Effect, plan: &Plan, inner_signals: &[String]) -> Vec<Place> {
     let Some((own, _)) = effect.binds.first() else { return Vec::new() };
-    let place = |input: &String| Place {
-        binds: vec![(own.clone(), input.clone())],
-        ..Place::at(std::slice::from_ref(input))
+    let place = |signal: &String| Place {
+        binds: vec![(own.clone(), signal.clone())],
+        ..Place::at(std::slice::from_ref(signal))
     };
-    plan.inputs.iter().map(|driven| place(&driven.input)).collect()
+    let inner_signals = if effect.is_first { &[] } else { inner_signals };
+    plan.inputs.iter().map(|driven| &driven.input).chain(inner_signals).map(place).collect()
 }
 
 fn built_in(effect: &Effect, part: &InventoryPart) -> Option<Place> {

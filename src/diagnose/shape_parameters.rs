@@ -28,10 +28,10 @@ pub fn ranges(study: &Study, hypothesis: &Hypothesis, all: &[(usize, Place)]) ->
     for (k, place) in all {
         let mut variables: Vec<String> = Vec::new();
         for start in study.effects[*k].shape_parameters.iter().flat_map(|(_, starts)| starts) {
-            if let Some(v) = start.variable()
-                && !variables.iter().any(|known| known == v)
-            {
-                variables.push(v.to_owned());
+            for v in start.variables() {
+                if !variables.iter().any(|known| known == v) {
+                    variables.push(v.to_owned());
+                }
             }
         }
         if !variables.is_empty() {
@@ -86,9 +86,7 @@ fn probe(
 pub fn shapes(effect: &Effect, range: impl Fn(&str) -> (f64, f64)) -> Vec<Vec<(String, f64)>> {
     let mut out = vec![Vec::new()];
     for (name, starts) in &effect.shape_parameters {
-        let range_of = |variable: Option<&str>| variable.map_or(UNKNOWN_RANGE, &range);
-        let values: Vec<f64> =
-            starts.iter().flat_map(|s| s.values(range_of(s.variable()))).collect();
+        let values: Vec<f64> = starts.iter().flat_map(|s| s.values(&range)).collect();
         out = out
             .iter()
             .flat_map(|shape: &Vec<(String, f64)>| {

@@ -13,6 +13,7 @@ use super::catalogue::{Effect, Packages, catalogue};
 use super::equation_terms::EquationTerms;
 use super::fixed_value::{self, FixedValue, fixed_starts, fixed_values};
 use super::formula::formulas;
+use super::inner_signals::inner_signals;
 use super::law_choice::choices;
 use super::model_source::{Attached, Extension};
 use super::place::{Place, places};
@@ -57,6 +58,8 @@ pub struct Study {
     pub fixed_starts: Vec<String>,
     /// The equations that may lack a term, and what it may depend on.
     pub terms: EquationTerms,
+    /// The signals within the model that actuators may act on.
+    pub inner_signals: Vec<String>,
     /// Number of states of the model.
     pub states: usize,
     /// Those with a rate that is a variable of its own: what may be an angle where nothing has a unit.
@@ -98,6 +101,7 @@ impl Study {
             experiment: flat.experiment,
             variables: flat.variables.iter().map(|v| v.name.clone()).collect(),
             terms: EquationTerms::new(flat, &plan, &variations.variables),
+            inner_signals: inner_signals(flat, &plan),
             variations,
             fixed_values: fixed_values(flat, &plan),
             fixed_starts: fixed_starts(flat, &plan),
@@ -161,7 +165,7 @@ impl Study {
             return all;
         }
         let names: FastSet<&str> = self.variables.iter().map(String::as_str).collect();
-        places(effect, &self.inventory, &names, plan)
+        places(effect, &self.inventory, &names, (plan, &self.inner_signals))
     }
 
     /// All places for an effect whose inputs are bound to any variables.

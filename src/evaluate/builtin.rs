@@ -14,6 +14,7 @@ use crate::base::index::{FastMap, FastSet};
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::classes::lookup::Found;
+use crate::classes::predefined::OTHER_FUNCTIONS;
 use crate::classes::unsupported::Construct;
 use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, Ident};
 use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
@@ -35,54 +36,6 @@ const OF_MODELS: [&str; 12] = [
     "cardinality",
     "inStream",
     "actualStream",
-];
-
-/// Everything else that is called by a simple name, for "did you mean".
-const OTHERS: [&str; 44] = [
-    "getInstanceName",
-    "der",
-    "pre",
-    "edge",
-    "change",
-    "initial",
-    "terminal",
-    "sample",
-    "noEvent",
-    "smooth",
-    "homotopy",
-    "delay",
-    "spatialDistribution",
-    "cardinality",
-    "inStream",
-    "actualStream",
-    "semiLinear",
-    "String",
-    "min",
-    "max",
-    "sum",
-    "product",
-    "size",
-    "ndims",
-    "zeros",
-    "ones",
-    "fill",
-    "identity",
-    "diagonal",
-    "linspace",
-    "transpose",
-    "cross",
-    "skew",
-    "outerProduct",
-    "symmetric",
-    "vector",
-    "scalar",
-    "matrix",
-    "cat",
-    "assert",
-    "terminate",
-    "reinit",
-    "connect",
-    "time",
 ];
 
 /// An argument by its position, counted from 0, or by its name.
@@ -171,7 +124,7 @@ impl Evaluator<'_> {
     fn is_operator(&self, name: Name) -> bool {
         let is_value = !matches!(name.as_str(), "assert" | "terminate" | "reinit" | "connect");
         let in_table = Unary::called(&name).is_some() || Binary::called(&name).is_some();
-        in_table || is_value && OTHERS.contains(&name.as_str())
+        in_table || is_value && OTHER_FUNCTIONS.contains(&name.as_str())
     }
 
     /// Whether a function of an enclosing scope shadows the predefined one of its name, which
@@ -261,7 +214,7 @@ impl Evaluator<'_> {
         let name = path.to_string();
         let of_table = Unary::TABLE.iter().flat_map(|op| op.called_names());
         let of_table = of_table.chain(Binary::TABLE.iter().flat_map(|op| op.called_names()));
-        let known = of_table.copied().chain(OTHERS);
+        let known = of_table.copied().chain(OTHER_FUNCTIONS);
         let near = did_you_mean(&name, known).map(str::to_string);
         let cause = NameCause::UnknownFunction { path: name, near };
         self.problems.push(Diagnostic::new(cause, path.span).label("not found"));

@@ -40,7 +40,7 @@ pub struct Events {
 
 impl Evaluator<'_> {
     /// Determines the behaviour of each expression so far; operands precede their users.
-    fn note_behaviours(&mut self) {
+    pub(super) fn note_behaviours(&mut self) {
         for k in self.events.of_nodes.len()..self.graph.len() {
             let behaviour = self.behaviour_of_node(ExprId(k as u32));
             self.events.of_nodes.push(behaviour);
@@ -63,6 +63,7 @@ impl Evaluator<'_> {
             Node::Time | Node::Der(_) | Node::Recorded(..) => {
                 EventBehaviour { reads: true, moves: true, live: false }
             }
+            Node::Sample(..) | Node::Clocked(..) => EventBehaviour::default(),
             Node::NoEvent(_) | Node::Smooth(..) => {
                 EventBehaviour { moves: all.reads, live: false, ..all }
             }
@@ -78,6 +79,11 @@ impl Evaluator<'_> {
 
     fn behaviour(&self, e: ExprId) -> EventBehaviour {
         self.events.of_nodes[e.0 as usize]
+    }
+
+    /// Whether an expression, noted before, changes between events, be it by steps that `noEvent` hides.
+    pub(super) fn moves(&self, e: ExprId) -> bool {
+        self.behaviour(e).moves
     }
 
     /// The operators in arguments that make events.

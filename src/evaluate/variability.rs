@@ -55,29 +55,20 @@ impl Evaluator<'_> {
     }
 
     /// Whether a value of discrete type may change though no event shows it (section 3.8.4): as
-    /// [`Evaluator::changes_between_events`], or because `noEvent` hides its relations. What is read
-    /// only where a relation with events holds may be hidden.
-    pub fn changes_unseen(&self, e: ExprId) -> bool {
+    /// [`Evaluator::changes_between_events`], or because `noEvent`, a function or `sign` hides where it changes. What is
+    /// read only where a relation with events holds may be hidden.
+    pub fn changes_unseen(&mut self, e: ExprId) -> bool {
+        self.note_behaviours();
         self.changes_between_events(e) || self.is_hidden(e)
     }
 
     fn is_hidden(&self, e: ExprId) -> bool {
         match self.graph.node(e) {
-            Node::NoEvent(inner) => self.reads_moving(inner),
             Node::Unary(Unary::Not, a) => self.is_hidden(a),
             Node::Binary(Binary::And | Binary::Or, a, b) => self.is_hidden(a) && self.is_hidden(b),
             Node::If(c, a, b) => self.is_hidden(c) || self.is_hidden(a) && self.is_hidden(b),
-            _ => false,
+            _ => self.moves(e),
         }
-    }
-
-    /// Whether something in an expression changes between events, relations or not.
-    fn reads_moving(&self, e: ExprId) -> bool {
-        self.graph.any([e], |_, node| match node {
-            Node::Var(v) => self.variable_variability(v) == Variability::Continuous,
-            Node::Time | Node::Der(_) | Node::Recorded(..) => true,
-            _ => false,
-        })
     }
 
     /// Reports a value that changes between events for a variable that does not.

@@ -36,6 +36,7 @@ pub(super) fn expand(
         section.enter(cx, target);
         let whens = section.execute(cx, list, scope, target);
         if let Some((outputs, values)) = section.values(cx) {
+            section.report_continuous(cx, list, (&outputs, &values), target);
             target.push(EquationKind::Algorithm { outputs, values }, span);
         }
         cx.assigned.clear();
@@ -197,6 +198,25 @@ impl Section {
             cx.assigned.insert(v, itself);
             if self.shared.contains(&v) {
                 self.finished.insert(v, value);
+            }
+        }
+    }
+
+    /// Reports variables of discrete type that get values which change between events (section 3.8.4).
+    fn report_continuous(
+        &self,
+        cx: &mut Evaluator<'_>,
+        list: &[ast::Statement],
+        (outputs, values): (&[VarId], &[ExprId]),
+        target: &Target<'_>,
+    ) {
+        if target.initial {
+            return;
+        }
+        for (v, value) in outputs.iter().zip(values) {
+            let ty = self.types[v];
+            if !matches!(ty, Type::Real | Type::String | Type::Clock) && cx.changes_unseen(*value) {
+                cx.report_continuous(ty, list[self.last[v]].span);
             }
         }
     }

@@ -47,9 +47,9 @@ causes! {
         error MO1277 ReinitTarget (section "8.3.6")
             => ("the first argument of `reinit` must be a state"),
             help("name a variable that is differentiated");
-        /// Two equations reinitialize one variable.
+        /// Two equations reinitialize one variable, or two statements of one branch.
         error MO0254 ReinitTwice { name: String } (section "8.3.6")
-            => ("`{name}` is reinitialized in two when-equations"),
+            => ("`{name}` is reinitialized twice"),
             help("join them by `elsewhen`, or let one `reinit` choose among both values");
         /// An assertion is false for the given parameters.
         error MO0233 Assertion { message: String } (section "8.3.7")
@@ -86,10 +86,10 @@ causes! {
         /// An annotation lets a parameter vary that cannot.
         error MO1292 UnusableVariation { parameter: String, factor: String, why: WrongVariation }
             => ("{}", why.message(parameter, factor)), help("{}", why.remedy());
-        /// An annotation leads an input through a component that cannot take it.
-        error MO0326 UnusablePassage { input: String, output: String, why: WrongPassage }
-            => ("{}", why.message(input, output)),
-            help("write `through = \"INPUT = COMPONENT.OUTPUT\"` with names of this model");
+        /// An annotation leads a signal through a component that cannot take it.
+        error MO0326 UnusablePassage { signal: String, output: String, why: WrongPassage }
+            => ("{}", why.message(signal, output)),
+            help("write `through = \"SIGNAL = COMPONENT.OUTPUT\"` with names of this model");
         /// An annotation adds a term to an equation that cannot take it.
         error MO0329 UnusableTerm { determined: String, term: String, why: WrongTerm }
             => ("{}", why.message(determined, term)),
@@ -208,20 +208,20 @@ impl WrongVariation {
     }
 }
 
-/// Why an input cannot pass through a component as an annotation says.
+/// Why a signal cannot pass through a component as an annotation says.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[allow(missing_docs)]
 pub enum WrongPassage {
-    Input,
+    Signal,
     Output,
 }
 
 impl WrongPassage {
-    fn message(self, input: &str, output: &str) -> String {
+    fn message(self, signal: &str, output: &str) -> String {
         match self {
-            WrongPassage::Input => {
-                format!("`{input}` is not an unconnected `Real` input of the model")
-            }
+            WrongPassage::Signal => format!(
+                "`{signal}` is neither an unconnected `Real` input of the model, nor an output of a component, nor a variable that an equation is solved for"
+            ),
             WrongPassage::Output => {
                 format!("`{output}` is not a `Real` variable of a component of the model")
             }

@@ -145,7 +145,11 @@ fn defined(
     value: ExprId,
     span: Span,
 ) -> VarId {
-    let ty = cx.graph.ty(value);
+    // An Integer variable has new values at events only.
+    let ty = match cx.graph.ty(value) {
+        Type::Integer if cx.changes_unseen(value) => Type::Real,
+        ty => ty,
+    };
     let variable = add_synthetic(flat, name, ty, span);
     let lhs = cx.graph.var(variable, ty);
     let origin = Origin { span, component: "".into() };

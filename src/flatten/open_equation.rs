@@ -25,6 +25,8 @@ pub struct OpenEquation {
     pub reads: Vec<VarId>,
     /// Place of the equation.
     pub span: Span,
+    /// It has a rate on the side opposite of what it determines, or determines one.
+    pub has_rate: bool,
     at: Slot,
     /// What it determines has a positive coefficient on the left side or a negative one on the right side.
     is_left: bool,
@@ -48,6 +50,11 @@ impl OpenEquation {
         }
     }
 
+    /// Where it is.
+    pub(super) fn slot(&self) -> Slot {
+        self.at
+    }
+
     /// True if both are one equation.
     pub fn is_same(&self, other: &OpenEquation) -> bool {
         self.at == other.at
@@ -56,8 +63,10 @@ impl OpenEquation {
 
 /// Where an equation is in a flat model.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Slot {
+pub(super) enum Slot {
+    /// One of the equations, by its position.
     Equation(usize),
+    /// The binding of a variable.
     Binding(VarId),
 }
 
@@ -104,35 +113,40 @@ pub fn rate_equations(flat: &FlatModel) -> Vec<OpenEquation> {
             let is_positive = |side| sign(&flat.graph, side, e, 0);
             let is_left = is_positive(left).unwrap_or_else(|| !is_positive(right).unwrap_or(false));
             let determines = Determined::Rate(state);
-            found.push(OpenEquation { determines, reads, span, at, is_left });
+            let has_rate = true;
+            found.push(OpenEquation { determines, reads, span, at, is_left, has_rate });
         }
     }
     found
 }
 
-/// The equation that is solved for a variable, with an expression on the other side: the first one.
+/// The equation that is solved for a variable, with an expression on the other side. Of several, one without rates is
+/// preferred, and one with the variable on its left: of `F = m*der(v)` and `F = -c*s`, the second determines `F`.
 pub fn explicit_equation(flat: &FlatModel, v: VarId) -> Option<OpenEquation> {
     let own = flat.graph.known_variable(v);
-    let is_plain = |e| matches!(flat.graph.node(e), Node::Var(_) | Node::Der(_) | Node::Const(_));
+    let has_rate = |e| flat.graph.postorder([e]).iter().any(|e| rate(&flat.graph, *e).is_some());
+    let with = |is_left: bool| {
+        let of_equation = move |(k, equation): (usize, &Equation)| {
+            let EquationKind::Equal(left, right) = equation.kind else { return None };
+            let (side, other) = if is_left { (left, right) } else { (right, left) };
+            (Some(side) == own).then_some((Slot::Equation(k), other, equation.origin.span, is_left))
+        };
+        flat.equations.iter().enumerate().filter_map(of_equation)
+    };
     let bound = flat.variables[v].binding.filter(|_| is_continuous(flat, v));
-    let of_equation = |(k, equation): (usize, &Equation)| match equation.kind {
-        EquationKind::Equal(left, right) if Some(left) == own => {
-            Some((Slot::Equation(k), right, equation.origin.span, true))
-        }
-        EquationKind::Equal(left, right) if Some(right) == own => {
-            Some((Slot::Equation(k), left, equation.origin.span, false))
-        }
-        _ => None,
-    };
-    let (at, other, span, is_left) = match bound {
-        Some(bound) => (Slot::Binding(v), bound, flat.variables[v].span, true),
-        None => flat.equations.iter().enumerate().find_map(of_equation)?,
-    };
+    let bound = bound.map(|bound| (Slot::Binding(v), bound, flat.variables[v].span, true));
     let is_variable = |v: &VarId| flat.variables[*v].variability > Variability::Parameter;
-    let reads: Vec<VarId> = flat.graph.variables(other).into_iter().filter(is_variable).collect();
-    let determines = Determined::Variable(v);
-    let is_open = !is_plain(other) && !reads.is_empty();
-    is_open.then_some(OpenEquation { determines, reads, span, at, is_left })
+    let is_plain = |e| matches!(flat.graph.node(e), Node::Var(_) | Node::Der(_) | Node::Const(_));
+    let open = bound.into_iter().chain(with(true)).chain(with(false)).filter_map(|found| {
+        let (at, other, span, is_left) = found;
+        let reads: Vec<VarId> =
+            flat.graph.variables(other).into_iter().filter(is_variable).collect();
+        let determines = Determined::Variable(v);
+        let has_rate = has_rate(other);
+        let is_open = !is_plain(other) && !reads.is_empty();
+        is_open.then_some(OpenEquation { determines, reads, span, at, is_left, has_rate })
+    });
+    open.min_by_key(|e| e.has_rate)
 }
 
 fn is_continuous(flat: &FlatModel, v: VarId) -> bool {

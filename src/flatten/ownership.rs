@@ -37,8 +37,9 @@ pub(super) fn of(cx: &mut Evaluator<'_>, root: InstanceId, flat: &FlatModel) -> 
             }
         };
         found.owner.push(number);
-        let connection = cx.instances[instance].prefix.connection;
-        found.is_flow.push(connection == Some(ConnectionPrefix::Flow));
+        let prefix = &cx.instances[instance].prefix;
+        found.is_flow.push(prefix.connection == Some(ConnectionPrefix::Flow));
+        found.is_output.push(prefix.causality == Some(Causality::Output));
     }
     found
 }

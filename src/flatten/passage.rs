@@ -1,9 +1,11 @@
-//! Inputs that pass through a component: `annotation(__mocc(through = "u = actuator.y"))`.
+//! Signals that pass through a component: `annotation(__mocc(through = "u = actuator.y"))`.
 //!
-//! What a recording says about an input need not be what reaches the system: an actuator has an offset, a lag, a dead
-//! zone. A model that extends another one cannot redirect the equations that read its input, so that the vendor-specific
-//! annotation (Modelica 3.6, section 18.1) says it: every equation reads the output of the component in place of the
-//! input, except those of the component itself. Several components of one input follow one another.
+//! What a recording says about an input, or what a controller asks for, need not be what reaches the system: an actuator
+//! has an offset, a lag, a dead zone. A model that extends another one cannot redirect the equations that read a signal, so
+//! that the vendor-specific annotation (Modelica 3.6, section 18.1) says it: every equation reads the output of the
+//! component in place of the signal, except those of the component itself. A signal is an input of the model, a variable
+//! that one equation is solved for, or an output of a component; that equation, and all those of the component whose
+//! output it is, keep reading the signal. Several components of one signal follow one another.
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
@@ -14,16 +16,47 @@ use crate::symbolic::rewrite::Rewriter;
 
 use super::annotation::Pair;
 use super::cause::{FlattenCause, WrongPassage};
+use super::open_equation::{Slot, explicit_equation};
 
-/// An input and the output of a component that is read in its place.
+/// A signal and the output of a component that is read in its place.
 struct Passage {
-    input: VarId,
+    signal: VarId,
     output: VarId,
     /// The component, with a dot.
     component: String,
+    /// What determines the signal.
+    source: Source,
 }
 
-/// Reads outputs in place of inputs, each pair an input and an output. Returns what cannot be done.
+/// What determines a signal, and goes on reading it.
+#[derive(Default)]
+struct Source {
+    /// The equation that is solved for it.
+    equation: Option<Slot>,
+    /// The component whose output it is, with a dot.
+    component: Option<String>,
+}
+
+impl Source {
+    /// True for an equation, by its position and the component that it comes from.
+    fn has_equation(&self, k: usize, component: &str) -> bool {
+        let own = self.component.as_deref().and_then(|c| c.strip_suffix('.'));
+        let is_inside = |own| {
+            component
+                .strip_prefix(own)
+                .is_some_and(|rest: &str| rest.is_empty() || rest.starts_with('.'))
+        };
+        self.equation == Some(Slot::Equation(k)) || own.is_some_and(is_inside)
+    }
+
+    /// True for the binding of a variable, by its name.
+    fn has_binding(&self, v: VarId, name: &str) -> bool {
+        self.equation == Some(Slot::Binding(v))
+            || self.component.as_deref().is_some_and(|own| name.starts_with(own))
+    }
+}
+
+/// Reads outputs in place of signals, each pair a signal and an output. Returns what cannot be done.
 pub(super) fn apply(flat: &mut FlatModel, pairs: &[Pair]) -> Vec<Diagnostic> {
     if pairs.is_empty() {
         return Vec::new();
@@ -35,8 +68,8 @@ pub(super) fn apply(flat: &mut FlatModel, pairs: &[Pair]) -> Vec<Diagnostic> {
         match passage(flat, &by_name, pair) {
             Ok(passage) => passages.push(passage),
             Err(why) => {
-                let (input, output) = (pair.left.clone(), pair.right.clone());
-                let cause = FlattenCause::UnusablePassage { input, output, why };
+                let (signal, output) = (pair.left.clone(), pair.right.clone());
+                let cause = FlattenCause::UnusablePassage { signal, output, why };
                 problems.push(Diagnostic::new(cause, pair.span));
             }
         }
@@ -52,45 +85,86 @@ fn passage(
     by_name: &FastMap<&str, VarId>,
     pair: &Pair,
 ) -> Result<Passage, WrongPassage> {
-    let input = *by_name.get(pair.left.as_str()).ok_or(WrongPassage::Input)?;
-    let u = &flat.variables[input];
-    let is_free = u.causality == Some(Causality::Input) && u.binding.is_none();
-    if u.ty != Type::Real || !is_free {
-        return Err(WrongPassage::Input);
-    }
+    let signal = *by_name.get(pair.left.as_str()).ok_or(WrongPassage::Signal)?;
+    let source = source(flat, signal).ok_or(WrongPassage::Signal)?;
     let output = *by_name.get(pair.right.as_str()).ok_or(WrongPassage::Output)?;
     let (component, _) = pair.right.rsplit_once('.').ok_or(WrongPassage::Output)?;
     match flat.variables[output].ty {
-        Type::Real => Ok(Passage { input, output, component: format!("{component}.") }),
+        Type::Real => Ok(Passage { signal, output, component: format!("{component}."), source }),
         _ => Err(WrongPassage::Output),
     }
 }
 
-/// Replaces the inputs wherever they are read.
+/// What determines a variable; `None` if it is not a signal.
+fn source(flat: &FlatModel, v: VarId) -> Option<Source> {
+    let x = &flat.variables[v];
+    if x.ty != Type::Real || x.variability != Variability::Continuous {
+        return None;
+    }
+    if x.causality == Some(Causality::Input) && x.binding.is_none() {
+        return Some(Source::default());
+    }
+    let equation = explicit_equation(flat, v).map(|e| e.slot());
+    match flat.ownership.is_output_of_component(v) {
+        true => {
+            let component = x.name.rsplit_once('.').map(|(owner, _)| format!("{owner}."));
+            Some(Source { equation, component })
+        }
+        false => equation.map(|slot| Source { equation: Some(slot), component: None }),
+    }
+}
+
+/// Replaces the signals wherever they are read.
 fn redirect(flat: &mut FlatModel, passages: &[Passage]) {
     let mut graph = std::mem::take(&mut flat.graph);
-    // Outside of the components, the last output of an input is read.
-    let last: FastMap<VarId, VarId> = passages.iter().map(|p| (p.input, p.output)).collect();
-    let mut everywhere = Rewriter::new();
-    let mut outside = |graph: &mut Graph, e: ExprId| replaced(&mut everywhere, graph, e, &last);
-    for e in flat.equations.iter_mut().chain(&mut flat.initial_equations) {
-        e.map_expressions(&mut |e| outside(&mut graph, e));
+    let mut readers = Readers::new(passages);
+    for (k, e) in flat.equations.iter_mut().enumerate() {
+        let own = passages.iter().map(|p| p.source.has_equation(k, &e.origin.component)).collect();
+        e.map_expressions(&mut |e| readers.read(&mut graph, e, &own));
+    }
+    let own: Vec<bool> = vec![false; passages.len()];
+    for e in &mut flat.initial_equations {
+        e.map_expressions(&mut |e| readers.read(&mut graph, e, &own));
     }
     for delay in &mut flat.delays {
-        delay.time = outside(&mut graph, delay.time);
+        delay.time = readers.read(&mut graph, delay.time, &own);
     }
-    for x in flat.variables.iter_mut().filter(|x| x.variability > Variability::Parameter) {
-        let Some(bound) = x.binding else { continue };
-        let own = passages.iter().position(|p| x.name.starts_with(&p.component));
-        x.binding = Some(match own {
-            None => outside(&mut graph, bound),
+    for (k, x) in flat.variables.iter_mut().enumerate() {
+        let varies = x.variability > Variability::Parameter;
+        let (v, Some(bound)) = (VarId(k as u32), x.binding.filter(|_| varies)) else { continue };
+        let inside = passages.iter().position(|p| x.name.starts_with(&p.component));
+        x.binding = Some(match inside {
+            None => {
+                let own = passages.iter().map(|p| p.source.has_binding(v, &x.name)).collect();
+                readers.read(&mut graph, bound, &own)
+            }
             Some(k) => {
-                let before = passages[..k].iter().map(|p| (p.input, p.output)).collect();
+                let before = passages[..k].iter().map(|p| (p.signal, p.output)).collect();
                 replaced(&mut Rewriter::new(), &mut graph, bound, &before)
             }
         });
     }
     flat.graph = graph;
+}
+
+/// What reads signals outside of the components that they pass through.
+struct Readers<'a> {
+    passages: &'a [Passage],
+    /// One rewriter for each choice of signals that are kept.
+    rewriters: FastMap<Vec<bool>, Rewriter>,
+}
+
+impl<'a> Readers<'a> {
+    fn new(passages: &'a [Passage]) -> Readers<'a> {
+        Readers { passages, rewriters: FastMap::default() }
+    }
+
+    /// An expression that reads the last output of each signal, except of those that `own` says are kept.
+    fn read(&mut self, graph: &mut Graph, e: ExprId, own: &Vec<bool>) -> ExprId {
+        let read = self.passages.iter().zip(own).filter(|(_, own)| !**own);
+        let by = read.map(|(p, _)| (p.signal, p.output)).collect();
+        replaced(self.rewriters.entry(own.clone()).or_insert_with(Rewriter::new), graph, e, &by)
+    }
 }
 
 fn replaced(

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use crate::base::index::FastSet;
 use crate::base::name::Name;
-use crate::classes::attribute::{ATTRIBUTES, is_within};
+use crate::classes::attribute::{is_attribute, is_within};
 use crate::classes::inheritance::merge_prefix;
 use crate::evaluate::Evaluator;
 use crate::evaluate::value::advance;
@@ -495,7 +495,8 @@ fn check_attribute_names(cx: &mut Evaluator<'_>, id: InstanceId, sizes: &[usize]
             if is_attribute(text) {
                 check_final_attribute(cx, id, text);
             } else {
-                cx.report_unknown_attribute(id, text, span);
+                let path = cx.path(id);
+                cx.report_unknown_attribute(path, text, span);
             }
         }
     }
@@ -528,8 +529,4 @@ fn check_modified_names(cx: &mut Evaluator<'_>, id: InstanceId, table: &ClassTab
 /// The constraining clause of an element.
 fn constraint(element: &ast::Element) -> Option<&ast::Replaceable> {
     element.replaceable.as_ref().filter(|r| r.constraint.is_some())
-}
-
-fn is_attribute(text: Name) -> bool {
-    ATTRIBUTES.contains(&text.as_str())
 }

@@ -106,6 +106,16 @@ pub struct Ownership {
     pub owner: Vec<u32>,
     /// For each variable, whether it is a flow.
     pub is_flow: Vec<bool>,
+    /// For each variable, whether it is an output of the component that it is declared in.
+    pub is_output: Vec<bool>,
+}
+
+impl Ownership {
+    /// True for an output of a component, other than of the model itself.
+    pub fn is_output_of_component(&self, v: VarId) -> bool {
+        let of = |all: &[bool]| all.get(v.0 as usize).copied().unwrap_or(false);
+        of(&self.is_output) && self.owner.get(v.0 as usize).is_some_and(|owner| *owner != 0)
+    }
 }
 
 /// Defaults of a run from `annotation(experiment(...))`.

@@ -2,30 +2,35 @@
 
 use super::rewriting::{RelationMode, Rewriting};
 use super::{DiscreteEquations, error};
-use crate::base::index::FastSet;
+use crate::base::index::{FastSet, IndexVec};
 use crate::ir::dae::{self, VariableKind};
 use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
-use crate::ir::flat::{Equation, EquationKind, Origin, Variability};
+use crate::ir::flat::{Equation, EquationKind, Origin, Variability, Variable};
+use crate::symbolic::gradient::Leaf;
+use crate::symbolic::linear;
+use crate::symbolic::rewrite::Rewriter;
 
 /// The initial equations of continuous variables and parameters. An equation for the first value of
 /// a discrete variable becomes part of that variable's equation, under the condition `initial()`.
 pub fn equations(
-    flat: &[Equation],
+    (flat, variables): (&[Equation], &IndexVec<VarId, Variable>),
     discrete: &mut DiscreteEquations,
     r: &mut Rewriting<'_>,
 ) -> Vec<dae::Equation> {
     let mut equations = Vec::new();
     let mut pre = PreEquations::default();
+    starts_by_initialization(variables, &mut pre, r);
     for equation in flat {
         let origin = &equation.origin;
         match &equation.kind {
             EquationKind::Equal(a, b) => {
-                equal(*a, *b, origin, discrete, &mut equations, &mut pre, r);
+                equal((*a, *b), origin, (discrete, &mut equations, &mut pre), variables, r);
             }
             EquationKind::Algorithm { outputs, values } => {
                 for (v, value) in outputs.iter().zip(values) {
                     let lhs = r.graph.var(*v, r.variables[*v].ty);
-                    equal(lhs, *value, origin, discrete, &mut equations, &mut pre, r);
+                    let destinations = (&mut *discrete, &mut equations, &mut pre);
+                    equal((lhs, *value), origin, destinations, variables, r);
                 }
             }
             EquationKind::When(_) => r.problems.push(error::initial_when(origin)),
@@ -50,7 +55,7 @@ fn set_initial_pre(
 ) {
     let initial = r.graph.intern(Node::Initial, Type::Boolean);
     for d in &mut discrete.list {
-        let mut rewriter = crate::symbolic::rewrite::Rewriter::new();
+        let mut rewriter = Rewriter::new();
         let at_start = rewriter.apply(r.graph, d.value, &mut |g, n| match g.node(n) {
             Node::Pre(w) if w == v => Some(value),
             _ => None,
@@ -102,7 +107,7 @@ impl PreEquations {
             if !self.given.insert(v) {
                 continue;
             }
-            let mut rewriter = crate::symbolic::rewrite::Rewriter::new();
+            let mut rewriter = Rewriter::new();
             let variables = &*r.variables;
             let start = rewriter.apply(r.graph, e, &mut |g, n| match g.node(n) {
                 Node::Pre(w) => Some(variables[w].start.unwrap_or_else(|| match g.ty(n) {
@@ -138,14 +143,16 @@ fn is_pre_expression(e: ExprId, r: &Rewriting<'_>) -> bool {
     })
 }
 
-#[allow(clippy::too_many_arguments, reason = "the destinations of an equation")]
+/// Where an initial equation goes: to the equation of a discrete variable, to those of continuous ones, or to those of
+/// `pre` values.
+type Destinations<'a> =
+    (&'a mut DiscreteEquations, &'a mut Vec<dae::Equation>, &'a mut PreEquations);
+
 fn equal(
-    a: ExprId,
-    b: ExprId,
+    (a, b): (ExprId, ExprId),
     origin: &Origin,
-    discrete: &mut DiscreteEquations,
-    equations: &mut Vec<dae::Equation>,
-    pre: &mut PreEquations,
+    (discrete, equations, pre): Destinations<'_>,
+    variables: &IndexVec<VarId, Variable>,
     r: &mut Rewriting<'_>,
 ) {
     let lhs = r.apply(a, RelationMode::Literal, origin);
@@ -161,7 +168,10 @@ fn equal(
             Node::Var(v) if r.variables[v].kind == VariableKind::Discrete => {
                 return first_value(v, value, origin, discrete, r);
             }
-            Node::Pre(v) if r.variability(value) <= Variability::Parameter => {
+            Node::Pre(v)
+                if r.variability(value) <= Variability::Parameter
+                    && !is_found_by_initialization(value, variables, r) =>
+            {
                 let is_given = pre.given.contains(&v) || r.variables[v].fixed == Some(true);
                 refuse_another(v, value, is_given, origin, r);
                 r.variables[v].start = Some(value);
@@ -184,8 +194,70 @@ fn equal(
         return;
     }
     let residual = r.graph.sub(lhs, rhs);
+    if let Some((v, value)) = solved_for_pre(residual, r) {
+        pre.varying.push((v, value));
+        return;
+    }
     let origin = origin.clone();
     equations.push(dae::Equation { lhs, rhs, residual, origin, derivative_of: None });
+}
+
+/// The discrete variable whose `pre` value occurs in a residual, alone of its kind and linearly, with the value that makes
+/// the residual zero.
+fn solved_for_pre(residual: ExprId, r: &mut Rewriting<'_>) -> Option<(VarId, ExprId)> {
+    let mut of_pre = pre_variables(residual, r);
+    of_pre.dedup();
+    let [v] = of_pre[..] else { return None };
+    let is_named = r.graph.variables(residual).contains(&v);
+    if is_named || r.variables[v].kind != VariableKind::Discrete {
+        return None;
+    }
+    let own = r.graph.var(v, r.variables[v].ty);
+    let named = Rewriter::new().apply(r.graph, residual, &mut |g, n| match g.node(n) {
+        Node::Pre(_) => Some(own),
+        _ => None,
+    });
+    let (coefficient, rest) = linear::split(r.graph, named, Leaf::Var(v))?;
+    r.graph.as_number(coefficient).filter(|c| *c != 0.0)?;
+    let quotient = r.graph.div(rest, coefficient);
+    Some((v, r.graph.neg(quotient)))
+}
+
+/// Fixed starts of discrete variables that parameters with `fixed = false` determine: their `pre` values are found by the
+/// initialization, too.
+fn starts_by_initialization(
+    variables: &IndexVec<VarId, Variable>,
+    pre: &mut PreEquations,
+    r: &Rewriting<'_>,
+) {
+    for (v, x) in r.variables.enumerate() {
+        let is_fixed = x.kind == VariableKind::Discrete && x.fixed == Some(true);
+        let start = x.start.filter(|_| is_fixed);
+        let by_initialization = start.filter(|e| is_found_by_initialization(*e, variables, r));
+        pre.varying.extend(by_initialization.map(|start| (v, start)));
+    }
+}
+
+/// True if an expression depends on a parameter with `fixed = false`, also through other parameters.
+fn is_found_by_initialization(
+    e: ExprId,
+    variables: &IndexVec<VarId, Variable>,
+    r: &Rewriting<'_>,
+) -> bool {
+    let mut seen: FastSet<VarId> = FastSet::default();
+    let mut open = vec![e];
+    while let Some(e) = open.pop() {
+        for v in r.graph.variables(e) {
+            if r.variables[v].kind == VariableKind::InitialParameter {
+                return true;
+            }
+            let x = variables.get(v).filter(|x| x.variability <= Variability::Parameter);
+            if let Some(bound) = x.and_then(|x| x.binding).filter(|_| seen.insert(v)) {
+                open.push(bound);
+            }
+        }
+    }
+    false
 }
 
 /// Reports a first value that differs from the one that a variable has already.

@@ -34,6 +34,7 @@ use rewriting::{RelationMode, Rewriting};
 pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
     let errors_before = problems.error_count();
     determined_by_initialization::parameters(&mut flat);
+    when::reinits_at_the_start(&mut flat);
     let mut variables = classify::variables(&flat, problems);
     let sections = classify::sections(&mut flat);
     classify::check_pre(&flat.graph, &variables, &sections.equal, problems);
@@ -66,7 +67,8 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
             asserts.push(when::guarded(Some(at_start), assert, &e.origin, &mut rewriting));
         }
     }
-    let mut initial = initial::equations(&flat.initial_equations, &mut discrete, &mut rewriting);
+    let written = (flat.initial_equations.as_slice(), &flat.variables);
+    let mut initial = initial::equations(written, &mut discrete, &mut rewriting);
     rewriting.attributes();
     let eliminated = rewriting.eliminated();
     let parameters = parameter::ordered(&flat.variables, &mut initial, &mut rewriting);

@@ -9,7 +9,7 @@ use super::{DiscreteEquations, error};
 use crate::base::index::{FastMap, FastSet};
 use crate::ir::dae::{GuardedAssert, Reinit, Terminate, VariableKind};
 use crate::ir::expr::{ExprId, Node, Type, VarId};
-use crate::ir::flat::{Action, Assert, Origin, WhenBranch};
+use crate::ir::flat::{Action, Assert, Equation, EquationKind, FlatModel, Origin, WhenBranch};
 
 /// The actions of when-clauses other than assignments.
 #[derive(Default)]
@@ -73,6 +73,28 @@ pub fn lower(
         }
     }
     actions
+}
+
+/// Makes an initial equation of each `reinit` in the first branch of a when-clause that is active at the start: the first
+/// that has `initial()` among its conditions (section 8.6).
+pub fn reinits_at_the_start(flat: &mut FlatModel) {
+    let mut more = Vec::new();
+    for equation in &flat.equations {
+        let EquationKind::When(branches) = &equation.kind else { continue };
+        let is_initial = |e: &ExprId| flat.graph.node(*e) == Node::Initial;
+        let Some(first) = branches.iter().find(|b| b.conditions.iter().any(is_initial)) else {
+            continue;
+        };
+        for action in &first.actions {
+            if let Action::Reinit { state, value, guard: None } = action {
+                more.push((*state, *value, equation.origin.clone()));
+            }
+        }
+    }
+    for (state, value, origin) in more {
+        let own = flat.graph.var(state, Type::Real);
+        flat.initial_equations.push(Equation { kind: EquationKind::Equal(own, value), origin });
+    }
 }
 
 /// An assertion with its activation, both condition and message rewritten.

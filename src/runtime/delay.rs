@@ -17,6 +17,7 @@ pub struct DelayBuffers {
 
 #[derive(Clone)]
 struct Line {
+    variable: VarId,
     input: Option<VarId>,
     source: Slot,
     delay: Slot,
@@ -26,12 +27,15 @@ struct Line {
     segments: Vec<PolynomialSegment>,
     /// The segment at the output.
     current: usize,
+    /// The values that it has started with since the last extrapolation.
+    starts: Vec<f64>,
 }
 
 impl DelayBuffers {
     /// Empty histories.
     pub fn new(layout: &Layout) -> Self {
         let line = |d: &DelaySlots| Line {
+            variable: d.variable,
             input: d.input,
             source: d.source,
             delay: d.delay,
@@ -44,6 +48,7 @@ impl DelayBuffers {
                 .collect(),
             segments: Vec::new(),
             current: 0,
+            starts: Vec::new(),
         };
         DelayBuffers { lines: layout.delays.iter().map(line).collect() }
     }
@@ -58,14 +63,17 @@ impl DelayBuffers {
         self.lines.is_empty()
     }
 
-    /// Restarts all histories with the current values; true if a first value has changed.
-    pub fn begin(&mut self, t: f64, memory: &[f64]) -> bool {
-        let mut changed = false;
+    /// Restarts all histories with the current values; the first variable of which this value is new. A delayed value may
+    /// depend on itself, so this is repeated until none is.
+    pub fn begin(&mut self, t: f64, memory: &[f64]) -> Option<VarId> {
+        let mut changed = None;
         for line in &mut self.lines {
-            let value = memory[line.source as usize];
-            let before =
-                line.segments.first().and_then(PolynomialSegment::first).map(|(_, value)| value);
-            changed |= before != Some(value);
+            let mut value = memory[line.source as usize];
+            let before = line.segments.first().and_then(PolynomialSegment::first);
+            if !before.is_some_and(|(_, before)| is_settled(before, value)) {
+                changed = changed.or(Some(line.variable));
+                value = line.next_start(value);
+            }
             line.segments = vec![PolynomialSegment::of(t, value)];
             line.current = 0;
         }
@@ -138,7 +146,24 @@ impl DelayBuffers {
     }
 }
 
+/// True if a start has changed by rounding errors only.
+fn is_settled(before: f64, value: f64) -> bool {
+    const RELATIVE: f64 = 1e-10;
+    const ABSOLUTE: f64 = 1e-12;
+    (value - before).abs() <= RELATIVE * value.abs().max(before.abs()) + ABSOLUTE
+}
+
 impl Line {
+    /// The start after one that led to this value: of a sequence of three, the limit that it would have if its differences
+    /// were a geometric sequence (Aitken 1926), as those of a linear equation are, also where they grow.
+    fn next_start(&mut self, value: f64) -> f64 {
+        self.starts.push(value);
+        let [a, b, c] = self.starts[..] else { return value };
+        self.starts.clear();
+        let limit = a - (b - a).powi(2) / (c - 2.0 * b + a);
+        if limit.is_finite() { limit } else { value }
+    }
+
     /// Drops points that can no longer reach the output.
     fn discard_before(&mut self, then: f64) {
         const CAPACITY: usize = 4096;
@@ -153,7 +178,17 @@ impl Line {
     }
 }
 
-crate::base::wire::wire_struct!(Line { input, source, delay, moves, slots, segments, current });
+crate::base::wire::wire_struct!(Line {
+    variable,
+    input,
+    source,
+    delay,
+    moves,
+    slots,
+    segments,
+    current,
+    starts
+});
 crate::base::wire::wire_struct!(DelayBuffers { lines });
 
 #[cfg(test)]
@@ -175,7 +210,7 @@ mod tests {
         };
         let mut memory = [1.0, 0.5, 0.0];
         let mut delays = DelayBuffers::new(&layout);
-        assert!(delays.begin(0.0, &memory));
+        assert_eq!(delays.begin(0.0, &memory), Some(VarId(0)));
         delays.record(1.0, &memory, false);
         memory[0] = 3.0;
         delays.record(1.0, &memory, true);

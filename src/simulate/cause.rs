@@ -123,6 +123,11 @@ causes! {
             => ("a sine or cosine of time has {periods:.3e} periods in this run, more than steps can follow: \
                  events or pulses that depend on it may be missing"),
             help("end the run earlier, or describe what the oscillation does on average");
+        /// The value of a delayed expression before the start depends on itself, and was not found.
+        error MO0948 UnsettledHistory { time: f64 } (section "3.7.4.1")
+            => ("at time {time} s the delayed expression has no value: before the start, `delay` gives the value \
+                 at the start, which depends on it"),
+            help("check that the equations have a solution at rest with the delay left out");
         /// The method that was chosen for a run failed, and another one took its place.
         warning MO0942 OtherMethod { method: &'static str, failure: String }
             => ("these results are those of {method}, because the first run failed: {failure}"),

@@ -27,6 +27,8 @@ pub enum StartError {
     Clock(usize),
     /// A clock has too many ticks in the run: so many.
     Ticks(usize, f64),
+    /// The value of a delayed variable before the start depends on itself, and was not found.
+    History(VarId),
     /// The initial sequence or the first event iteration failed.
     Event(EventError),
 }

@@ -53,7 +53,7 @@ const HISTORY_POINTS: u32 = 5;
 const MIN_STEP_FRACTION: f64 = 1e-4;
 
 /// Maximum number of initializations until the initial values of histories are consistent.
-const MAX_HISTORY_ITERATIONS: usize = 5;
+const MAX_HISTORY_ITERATIONS: usize = 30;
 
 /// Statistics of a run.
 #[derive(Clone, PartialEq, Debug, Default)]
@@ -719,29 +719,36 @@ pub fn initialise_with_histories(
     system: &mut HybridSystem<'_>,
     settings: &Settings,
 ) -> Result<Start, StartError> {
-    let mut started = initialise(&mut system.machine, settings);
+    let mut started = initialise(&mut system.machine, settings)?;
+    let mut unsettled = None;
     for _ in 0..MAX_HISTORY_ITERATIONS {
-        if !system.machine.has_history()
-            || started.is_err()
-            || !first_values(system, settings.start)
-        {
+        if !system.machine.has_history() {
             break;
         }
-        started = initialise(&mut system.machine, settings);
+        let is_settled;
+        (is_settled, unsettled) = first_values(system, settings.start);
+        if is_settled {
+            break;
+        }
+        started = initialise(&mut system.machine, settings)?;
     }
-    started
+    match unsettled {
+        Some(delayed) => Err(StartError::History(delayed)),
+        None => Ok(started),
+    }
 }
 
-/// Starts the histories of delayed variables and transport lines; true if their initial values have
-/// changed.
-fn first_values(system: &mut HybridSystem<'_>, t: f64) -> bool {
+/// Starts the histories of delayed variables and transport lines; whether their initial values are those that they had, and
+/// a delayed variable of which they are not.
+fn first_values(system: &mut HybridSystem<'_>, t: f64) -> (bool, Option<VarId>) {
     let mut y = vec![0.0; system.machine.program.order().max(1)];
     let n = system.machine.program.order();
     y[..n].copy_from_slice(system.machine.states());
     if system.evaluate_all(t, &y).is_err() {
-        return false;
+        return (true, None);
     }
     let machine = &mut system.machine;
     let delayed = machine.delays.begin(t, &machine.memory);
-    machine.transports.begin(t, &mut machine.memory) || delayed
+    let is_moved = machine.transports.begin(t, &mut machine.memory);
+    (!is_moved && delayed.is_none(), delayed)
 }

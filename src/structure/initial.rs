@@ -6,7 +6,7 @@
 
 use super::incidence::EquationSystem;
 use super::structural_zeros::StructuralZeros;
-use super::{explain, is_continuous, name_order, reduce, redundant_initial, sort};
+use super::{explain, is_continuous, name_order, reduce, redundant_initial, relation_order, sort};
 use crate::base::diag::Problems;
 use crate::base::index::{Id, IndexVec};
 use crate::graph::augment::AugmentingSearch;
@@ -92,6 +92,7 @@ pub fn sequence(
         true => sort::sequence_torn_at(dae, &system, &matched, &is_preferred),
         false => Vec::new(),
     };
+    let [blocks, by_states] = [blocks, by_states].map(|b| relation_order::after_operands(dae, b));
     Some(InitialSequence { blocks, by_states, assumed: starts })
 }
 

@@ -20,9 +20,11 @@ mod inline;
 mod linear_dependence;
 mod name_order;
 mod parameter_values;
+mod preferred_states;
 pub mod print;
 pub mod reduce;
 pub mod redundant_initial;
+mod relation_order;
 mod singular_blocks;
 pub mod solve;
 pub mod sort;
@@ -37,7 +39,7 @@ use crate::base::diag::Problems;
 use crate::base::index::{FastSet, IndexVec};
 use crate::graph::matching::{self, Matching};
 use crate::ir::blocks::{Block, Blocks, Source, State};
-use crate::ir::dae::{Dae, VariableKind};
+use crate::ir::dae::{Dae, EqId, VariableKind};
 use crate::ir::expr::VarId;
 use incidence::EquationSystem;
 use initial::StartTearing;
@@ -106,8 +108,29 @@ pub fn structure_with(
     })
 }
 
-/// Reduces the index. Combinations of derivatives that nonlinear constraints relate become states.
+/// Reduces the index; preferred variables that the model does not differentiate become states where that is safe.
 fn reduced(dae: &mut Dae, problems: &mut Problems) -> Option<reduce::Reduced> {
+    let preferred = preferred_states::find(dae);
+    if preferred.is_empty() {
+        return reduced_by_combinations(dae, problems);
+    }
+    let original = dae.clone();
+    preferred_states::differentiate(dae, &preferred);
+    let mut found = Problems::new();
+    if let Some(reduced) = reduced_by_combinations(dae, &mut found)
+        && found.error_count() == 0
+        && preferred_states::are_states(dae, &preferred, &reduced)
+    {
+        problems.extend(found);
+        return Some(reduced);
+    }
+    *dae = original;
+    reduced_by_combinations(dae, problems)
+}
+
+/// Reduces the index. Combinations of derivatives that nonlinear constraints relate become states, unless a term may jump,
+/// which would make the others jump, too.
+fn reduced_by_combinations(dae: &mut Dae, problems: &mut Problems) -> Option<reduce::Reduced> {
     let combinations = derivative_combinations::find(dae);
     if combinations.is_empty() {
         return reduce::reduce(dae, problems);
@@ -115,7 +138,11 @@ fn reduced(dae: &mut Dae, problems: &mut Problems) -> Option<reduce::Reduced> {
     let original = dae.clone();
     let mut first_problems = Problems::new();
     let reduced = reduce::reduce(dae, &mut first_problems);
-    let is_nonlinear = |r: &reduce::Reduced| r.pivots.iter().any(|pivot| pivot.nonlinear);
+    let is_nonlinear = |r: &reduce::Reduced| {
+        let nonlinear = r.pivots.iter().filter(|pivot| pivot.nonlinear).map(|p| p.constraint);
+        let nonlinear: Vec<EqId> = nonlinear.collect();
+        !nonlinear.is_empty() && !preferred_states::any_jumps(dae, nonlinear.into_iter())
+    };
     if !reduced.as_ref().is_some_and(is_nonlinear) {
         problems.extend(first_problems);
         return reduced;

@@ -144,14 +144,15 @@ fn a_run_has_derivatives_by_every_amplitude_at_zero() {
             let is = |name: &str| variables.enumerate().any(|(_, v)| v.name == name);
             let input = if is(&whole) { whole } else { first };
             let run = compiled.differentiate(&[input.as_str()]);
-            let observed = match ["Sensor", "ActuatorLag", "ActuatorHysteresis"]
-                .iter()
-                .any(|n| effect.name.contains(n))
-            {
-                true => "effect.y",
-                false if is("observed") => "observed",
-                false => "s",
-            };
+            let observed =
+                match ["Sensor", "ActuatorLag", "PartialLag", "Rate", "ActuatorHysteresis"]
+                    .iter()
+                    .any(|n| effect.name.contains(n))
+                {
+                    true => "effect.y",
+                    false if is("observed") => "observed",
+                    false => "s",
+                };
             let slopes = run.by(0, observed);
             assert!(slopes.iter().all(|x| x.is_finite()), "{}", effect.name);
             assert!(slopes.iter().any(|x| *x != 0.0), "{}: {input} changes nothing", effect.name);
@@ -197,10 +198,10 @@ fn annotations_name_existing_elements() {
                 }
                 _ => {
                     assert!(is_there(names), "{}: {names}", effect.name);
-                    for value in values.split(',').filter(|v| v.contains('(')) {
+                    for value in values.split([',', '/']).filter(|v| v.contains('(')) {
                         let (_, rest) = value.split_once('(').expect("a bracket");
                         let of = match value.split_once('(').expect("a bracket").0 {
-                            "min" | "max" => rest.trim_end_matches(')'),
+                            "min" | "max" | "span" => rest.trim_end_matches(')'),
                             multiple if multiple.ends_with("*span") => rest.trim_end_matches(')'),
                             multiple if multiple.ends_with("*max") => rest.trim_end_matches(')'),
                             variable => variable,

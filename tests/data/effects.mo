@@ -959,6 +959,28 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end ActuatorLag;
 
+    model ActuatorPartialLag
+      extends Check(n = 2);
+      // A ramp acts T late; with T = tau it is the lag of first order.
+      Effects.ActuatorPartialLag effect(T = 0.05, tau = 0.2, u = time);
+      Effects.ActuatorPartialLag lag(T = 0.2, tau = 0.2, u = time);
+    equation
+      found = {effect.y, lag.y};
+      exact = {time - 0.05*(1 - exp(-time/0.2)), time - 0.2*(1 - exp(-time/0.2))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end ActuatorPartialLag;
+
+    model ActuatorRateLimit
+      extends Check(n = 2);
+      // A ramp that is too fast, and a parabola that becomes so at 0.25; before, it is followed T_min late.
+      Effects.ActuatorRateLimit effect(a = 0.5, r_max = 2, T_min = 1e-8, u = 3*time);
+      Effects.ActuatorRateLimit late(a = 1, r_max = 1, T_min = 1e-8, u = 2*time^2);
+    equation
+      found = {effect.y, late.y};
+      exact = {2.5*time, if time < 0.25 then 2*time^2 - 4e-8*time else 0.125 - 1e-8 + (time - 0.25)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end ActuatorRateLimit;
+
     model ActuatorDelay
       extends Check;
       // A ramp.
@@ -2220,6 +2242,16 @@ package EffectTests
       extends Base;
       Effects.ActuatorLag effect(u = s, T_min = 1e-5);
     end ActuatorLag;
+
+    model ActuatorPartialLag
+      extends Base;
+      Effects.ActuatorPartialLag effect(u = s);
+    end ActuatorPartialLag;
+
+    model ActuatorRateLimit
+      extends Base;
+      Effects.ActuatorRateLimit effect(u = s, T_min = 1e-5);
+    end ActuatorRateLimit;
 
     model ActuatorDelay
       extends Driven;

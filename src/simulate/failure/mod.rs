@@ -256,6 +256,10 @@ pub fn start_failure(machine: &Machine<'_>, why: StartError, t: f64) -> Failure 
             };
             Failure::numerics(t, Diagnostic::new(cause, span))
         }
+        StartError::History(delayed) => {
+            let span = program.blocks.dae.variables[delayed].span;
+            Failure::numerics(t, Diagnostic::new(RunCause::UnsettledHistory { time: t }, span))
+        }
         StartError::Assertion(k) => violated(program, &machine.memory, k, t),
         StartError::Event(u) => event_failure(machine, u, t),
     }

@@ -103,3 +103,58 @@ package Plant
 end Plant;
 //@ expect machine.y[2] = 2
 //@ expect v[6] = 1
+
+//@ case values_that_change_unseen
+// `sign` makes no event, nor does a function or a loop whose trip count is known at run time only.
+model Hidden
+  function count
+    input Real t;
+    output Integer n;
+  algorithm
+    n := 0;
+    while n < t loop
+      n := n + 1;
+    end while;
+  end count;
+  Real x = time - 0.5;
+  //@ error[MO0247] 15-21
+  Integer i = sign(x);
+  //@ error[MO0247] 15-50
+  Integer j = abs(if noEvent(x > 0) then 3 else 1);
+  Integer k, l, m, q;
+  Boolean c;
+algorithm
+  //@ error[MO0247] 3-20
+  k := count(3*time);
+algorithm
+  l := 0;
+  //@ error[MO0247] 3-
+  for i in 1:count(3*time) loop
+    l := l + 1;
+  end for;
+algorithm
+  m := 0;
+  //@ error[MO0247] 3-39
+  if noEvent(x > 0) then m := 1; end if;
+  // With an event, it may.
+  if x > 0 then c := true; else c := false; end if;
+equation
+  if noEvent(x > 0) then
+    //@ error[MO0247] 5-9
+    q = 1;
+  else
+    q = 2;
+  end if;
+end Hidden;
+
+//@ case attributes_of_types
+model Lengths
+  //@ error[MO0289] 29-33
+  type T = Real(unit = "m", strat = 3);
+  type U = T(start = 2);
+  T t(fixed = true);
+  U u;
+equation
+  der(t) = 1;
+  u = t;
+end Lengths;

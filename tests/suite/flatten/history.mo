@@ -69,3 +69,44 @@ initial equation
 end Belt;
 //@ run stop=1 interval=0.1
 //@ expect y = 0.8 rel 1e-6
+
+//@ case delay_of_a_sign
+//@ run stop=1 tolerance=1e-9
+// `sign` is an Integer that makes no event; so is what a function gives.
+model Delayed
+  function step
+    input Real u;
+    output Integer y = if u > 0 then 1 else 0;
+  end step;
+  Real v = time - 0.5;
+  Real s = delay(sign(v), 0.1);
+  Real a = delay(step(v), 0.3);
+  Real b = delay(noEvent(if time > 0.5 then 1 else 0), 0.3);
+end Delayed;
+//@ expect s at 0.55, 0.65 = -1, 1
+//@ expect a at 0.75, 0.85 = 0, 1
+//@ expect b at 0.75, 0.85 = 0, 1
+
+//@ case delayed_value_that_depends_on_itself
+//@ run stop=1 tolerance=1e-9
+// Before the start, a delayed value is that at the start: y = 1 + 3 y, z = 1 + 0.9 z, w = cos(w), q = 1 - 0.5 q.
+model Echoes
+  Real y = 1 + 3*delay(y, 0.5);
+  Real z = 1 + 0.9*delay(z, 0.5);
+  Real w = cos(delay(w, 0.5));
+  Real q = x - 0.5*delay(q, 0.1);
+  Real x(start = 1, fixed = true);
+equation
+  der(x) = -q;
+end Echoes;
+//@ expect y, z = -0.5, 10 abs 1e-9
+//@ expect w = 0.7390851332151607 abs 1e-9
+//@ expect q at start = 2/3 abs 1e-9
+
+//@ case delayed_value_without_a_start
+//@ run stop=1
+model Echo
+  //@ error[MO0948] 16-28
+  Real y = 1 + delay(y, 0.5);
+end Echo;
+//@ status 3

@@ -52,3 +52,25 @@ equation
     p = 1;
   end when;
 end Frozen;
+
+//@ case twice_in_a_branch
+model Jumps
+  Real x[2](each start = 0, each fixed = true);
+  Real y(start = 0, fixed = true), z(start = 0, fixed = true);
+equation
+  der(x) = {1, 1};
+  der(y) = 1;
+  der(z) = 1;
+  //@ error[MO0254] 3-
+  when time > 0.5 then
+    reinit(x, {1, 2});
+    reinit(x[1], 3);
+    if z > 0.2 and z < 0.4 then
+      reinit(y, 5);
+    elseif z > 0.3 then
+      reinit(y, 6);
+    else
+      reinit(y, 7);
+    end if;
+  end when;
+end Jumps;

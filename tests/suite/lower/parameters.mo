@@ -49,3 +49,28 @@ model Box
 equation
   der(y) = 1;
 end Box;
+
+//@ case starts_that_initialization_determines
+//@ run stop=1 tolerance=1e-9
+model Counters
+  parameter Real p(fixed = false, start = 1);
+  parameter Real r = 2*p;
+  discrete Real d(start = p, fixed = true);
+  discrete Real d2(start = r, fixed = true);
+  discrete Real d3, d4;
+  Real y(start = p, fixed = true);
+equation
+  when sample(0.5, 1) then
+    d = pre(d) + 1;
+    d2 = pre(d2) + 1;
+    d3 = pre(d3) + 1;
+    d4 = pre(d4) + 1;
+  end when;
+  der(y) = 1;
+initial equation
+  p = 3;
+  pre(d3) = p;
+  2*pre(d4) - y = 0;
+end Counters;
+//@ expect d, d2, d3, d4 at start = 3, 6, 3, 1.5
+//@ expect d, d2, d3, d4 = 4, 7, 4, 2.5

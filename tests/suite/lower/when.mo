@@ -36,3 +36,23 @@ equation
 end Ball;
 //@ run stop=1.5
 //@ expect impact = -sqrt(2) rel 1e-5
+
+//@ case reinit_at_the_start
+//@ run stop=1 tolerance=1e-9
+// Where `initial()` is a condition, `reinit` is an initial equation (section 8.6).
+model Started
+  Real x(start = 1), y(start = 1), z;
+equation
+  der(x) = 1;
+  der(y) = 1;
+  der(z) = 1;
+  when initial() then
+    reinit(x, 3);
+    reinit(y, 2*x);
+  end when;
+  when {initial(), time > 0.5} then
+    reinit(z, 7);
+  end when;
+end Started;
+//@ expect x, y, z at start = 3, 6, 7
+//@ expect x, y, z = 4, 7, 7.5 abs 1e-8

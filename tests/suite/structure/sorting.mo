@@ -73,3 +73,18 @@ equation
   a = not b;
   b = not a;
 end Pair;
+
+//@ case relations_at_the_start
+//@ run stop=1 tolerance=1e-9
+// With the phase that a relation without a value would give, the second equation has no solution.
+model Medium
+  Real h(start = 1, fixed = true);
+  Integer phase;
+  Real d, q(start = 1);
+equation
+  phase = if h < 2 then 1 else 2;
+  d = if phase == 1 then 3 + 0.1*h else -5;
+  q^4 + q^2 = d;
+  der(h) = -0.1*q;
+end Medium;
+//@ expect q at start = sqrt((-1 + sqrt(1 + 4*3.1))/2) abs 1e-9
