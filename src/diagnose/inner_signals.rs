@@ -8,7 +8,7 @@ use crate::base::index::FastSet;
 use crate::calibrate::plan::Plan;
 use crate::flatten::open_equation::{OpenEquation, explicit_equation};
 use crate::ir::expr::{ExprId, Node, Type, VarId};
-use crate::ir::flat::{EquationKind, FlatModel, Variability};
+use crate::ir::flat::{EquationKind, FlatModel, Variability, Variable};
 
 /// Most signals that actuators are hypotheses at.
 const MAX_SIGNALS: usize = 6;
@@ -22,11 +22,12 @@ pub fn inner_signals(flat: &FlatModel, plan: &Plan) -> Vec<String> {
     }
     let inputs = aliases_of_inputs(flat, plan);
     let read = read_elsewhere(flat);
-    let is_signal = |(v, x): &(VarId, &crate::ir::flat::Variable)| {
+    let is_signal = |(v, x): &(VarId, &Variable)| {
         let is_plain = x.ty == Type::Real
             && x.variability == Variability::Continuous
             && !x.is_open_input()
-            && !x.name.contains('[');
+            && !x.protected
+            && !x.name.contains(['[', '$']);
         is_plain && read.contains(v) && !inputs.contains(v) && is_determined(flat, *v)
     };
     let found = flat.variables.enumerate().filter(is_signal);
@@ -95,8 +96,7 @@ fn read_elsewhere(flat: &FlatModel) -> FastSet<VarId> {
         }
     }
     flat.variables.iter().filter_map(|x| x.binding).for_each(|bound| count(&[bound]));
-    let is_read = |(v, x): &(VarId, &crate::ir::flat::Variable)| {
-        readers[v.0 as usize] > u32::from(x.binding.is_none())
-    };
+    let is_read =
+        |(v, x): &(VarId, &Variable)| readers[v.0 as usize] > u32::from(x.binding.is_none());
     flat.variables.enumerate().filter(is_read).map(|(v, _)| v).collect()
 }

@@ -163,7 +163,7 @@ impl<'a> Readers<'a> {
     fn read(&mut self, graph: &mut Graph, e: ExprId, own: &Vec<bool>) -> ExprId {
         let read = self.passages.iter().zip(own).filter(|(_, own)| !**own);
         let by = read.map(|(p, _)| (p.signal, p.output)).collect();
-        replaced(self.rewriters.entry(own.clone()).or_insert_with(Rewriter::new), graph, e, &by)
+        replaced(self.rewriters.entry(own.clone()).or_default(), graph, e, &by)
     }
 }
 

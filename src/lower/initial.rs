@@ -76,6 +76,15 @@ struct PreEquations {
 }
 
 impl PreEquations {
+    /// Takes a value that depends on time or on variables, unless the variable has another one.
+    fn vary(&mut self, v: VarId, value: ExprId, origin: &Origin, r: &mut Rewriting<'_>) {
+        match self.varying.iter().find(|(w, _)| *w == v) {
+            Some((_, known)) if *known == value => {}
+            None if !self.given.contains(&v) => self.varying.push((v, value)),
+            _ => r.problems.push(error::two_first_values(&r.variables[v], origin)),
+        }
+    }
+
     /// Assigns values in an order in which each is known before it is used; without another value,
     /// the start value counts.
     fn resolve(&mut self, r: &mut Rewriting<'_>) {
@@ -183,7 +192,7 @@ fn equal(
                 return;
             }
             Node::Pre(v) if r.variables[v].kind == VariableKind::Discrete => {
-                pre.varying.push((v, value));
+                pre.vary(v, value, origin, r);
                 return;
             }
             _ => {}
@@ -195,7 +204,7 @@ fn equal(
     }
     let residual = r.graph.sub(lhs, rhs);
     if let Some((v, value)) = solved_for_pre(residual, r) {
-        pre.varying.push((v, value));
+        pre.vary(v, value, origin, r);
         return;
     }
     let origin = origin.clone();

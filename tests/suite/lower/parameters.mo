@@ -74,3 +74,18 @@ initial equation
 end Counters;
 //@ expect d, d2, d3, d4 at start = 3, 6, 3, 1.5
 //@ expect d, d2, d3, d4 = 4, 7, 4, 2.5
+
+//@ case two_first_values_that_vary
+model Twice
+  discrete Real d;
+  Real x(start = 2, fixed = true);
+equation
+  der(x) = 1;
+  when sample(0.5, 1) then
+    d = pre(d) + 1;
+  end when;
+initial equation
+  pre(d) = x;
+  //@ error[MO0335] 3-18
+  pre(d) - 2*x = 0;
+end Twice;
