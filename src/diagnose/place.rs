@@ -6,7 +6,7 @@ use crate::calibrate::plan::Plan;
 use crate::flatten::inventory::{Inventory, InventoryConnector, InventoryPart};
 
 use super::adapter::{Adapter, adapter, is_alike, is_compatible};
-use super::catalogue::{Effect, Start};
+use super::catalogue::Effect;
 
 /// A way to attach an effect.
 #[derive(Clone, Debug, PartialEq)]
@@ -166,13 +166,6 @@ fn passages(effect: &Effect, plan: &Plan, inner_signals: &[String]) -> Vec<Place
         binds: vec![(own.clone(), signal.clone())],
         ..Place::at(std::slice::from_ref(signal))
     };
-    // Without derivatives, an FMU runs once more for each candidate: variants of another law, and rates, which take many
-    // small steps, are left out.
-    let is_rate = |start: &Start| matches!(start, Start::MultipleOfRate(..));
-    let has_rate = effect.shape_parameters.iter().any(|(_, starts)| starts.iter().any(is_rate));
-    if plan.fmu.is_some() && (has_rate || effect.named.is_some()) {
-        return Vec::new();
-    }
     let inner_signals = if effect.is_first { &[] } else { inner_signals };
     plan.inputs.iter().map(|driven| &driven.input).chain(inner_signals).map(place).collect()
 }
