@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use super::cause::ClassCause;
 use super::inheritance::is_class_extends;
-use super::predefined::is_predefined;
+use super::predefined::is_built_in;
 use super::{ClassGraph, ROOT};
 use crate::base::diag::Diagnostic;
 use crate::base::name::Name;
@@ -103,7 +103,8 @@ impl ClassGraph<'_> {
         if class == ROOT.class {
             // No file is opened for a name that the language defines.
             let is_given = |name| self.library.file_classes().iter().any(|c| c.name.name == name);
-            if is_predefined(&wanted) && !is_given(wanted) {
+            let is_defined = self.predefined.contains_key(&wanted) || is_built_in(&wanted);
+            if is_defined && !is_given(wanted) {
                 return None;
             }
             let text = self.library.top(wanted, self.sources, self.problems)?;

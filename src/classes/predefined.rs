@@ -1,10 +1,9 @@
-//! Names that the language itself defines.
+//! Names of functions and operators that the language itself defines.
 
 use crate::ir::expr::{Binary, Unary};
 
-/// What is called by a simple name and has no row in a table.
-pub const OTHER_FUNCTIONS: [&str; 44] = [
-    "getInstanceName",
+/// Operators that refer to variables or to the run of a model, which functions do not have (section 12.2).
+pub const OF_MODELS: [&str; 12] = [
     "der",
     "pre",
     "edge",
@@ -12,14 +11,19 @@ pub const OTHER_FUNCTIONS: [&str; 44] = [
     "initial",
     "terminal",
     "sample",
-    "noEvent",
-    "smooth",
-    "homotopy",
     "delay",
     "spatialDistribution",
     "cardinality",
     "inStream",
     "actualStream",
+];
+
+/// Everything else that is called by a simple name and has no row in a table.
+const OTHERS: [&str; 32] = [
+    "getInstanceName",
+    "noEvent",
+    "smooth",
+    "homotopy",
     "semiLinear",
     "String",
     "min",
@@ -50,23 +54,16 @@ pub const OTHER_FUNCTIONS: [&str; 44] = [
     "time",
 ];
 
-/// Predefined types, and the scope of the operators on overconstrained connections.
-const PREDEFINED: [&str; 9] = [
-    "Real",
-    "Integer",
-    "Boolean",
-    "String",
-    "Clock",
-    "ExternalObject",
-    "StateSelect",
-    "AssertionLevel",
-    "Connections",
-];
+/// The scope of the operators on overconstrained connections (section 9.4.1).
+const CONNECTIONS: &str = "Connections";
 
-/// True for a name that the language defines: no file is opened to find it (section 5.3.1).
-pub fn is_predefined(name: &str) -> bool {
-    PREDEFINED.contains(&name)
-        || OTHER_FUNCTIONS.contains(&name)
-        || Unary::called(name).is_some()
-        || Binary::called(name).is_some()
+/// What is called by a simple name and has no row in a table.
+pub fn without_row() -> impl Iterator<Item = &'static str> {
+    OF_MODELS.into_iter().chain(OTHERS)
+}
+
+/// True for the name of a function or an operator of the language: no file is opened to find it (section 5.3.1).
+pub fn is_built_in(name: &str) -> bool {
+    let has_row = Unary::called(name).is_some() || Binary::called(name).is_some();
+    has_row || name == CONNECTIONS || without_row().any(|other| other == name)
 }

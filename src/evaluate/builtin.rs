@@ -14,29 +14,12 @@ use crate::base::index::{FastMap, FastSet};
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::classes::lookup::Found;
-use crate::classes::predefined::OTHER_FUNCTIONS;
+use crate::classes::predefined::{OF_MODELS, is_built_in, without_row};
 use crate::classes::unsupported::Construct;
 use crate::ir::ast::{ClassKind, ComponentRef, Expr, ExprKind, Ident};
 use crate::ir::expr::{Binary, ExprId, Node, Type, Unary, VarId};
 use crate::ir::instance::{ClassId, InstanceId, InstanceKind, Scope};
 use crate::symbolic::gradient::{Leaf, time_derivative};
-
-/// Operators that refer to variables or to the run of a model, which functions do not have (section
-/// 12.2).
-const OF_MODELS: [&str; 12] = [
-    "der",
-    "pre",
-    "edge",
-    "change",
-    "initial",
-    "terminal",
-    "sample",
-    "delay",
-    "spatialDistribution",
-    "cardinality",
-    "inStream",
-    "actualStream",
-];
 
 /// An argument by its position, counted from 0, or by its name.
 pub(crate) fn argument<'e>(
@@ -123,8 +106,7 @@ impl Evaluator<'_> {
 
     fn is_operator(&self, name: Name) -> bool {
         let is_value = !matches!(name.as_str(), "assert" | "terminate" | "reinit" | "connect");
-        let in_table = Unary::called(&name).is_some() || Binary::called(&name).is_some();
-        in_table || is_value && OTHER_FUNCTIONS.contains(&name.as_str())
+        is_value && is_built_in(&name)
     }
 
     /// Whether a function of an enclosing scope shadows the predefined one of its name, which
@@ -214,7 +196,7 @@ impl Evaluator<'_> {
         let name = path.to_string();
         let of_table = Unary::TABLE.iter().flat_map(|op| op.called_names());
         let of_table = of_table.chain(Binary::TABLE.iter().flat_map(|op| op.called_names()));
-        let known = of_table.copied().chain(OTHER_FUNCTIONS);
+        let known = of_table.copied().chain(without_row());
         let near = did_you_mean(&name, known).map(str::to_string);
         let cause = NameCause::UnknownFunction { path: name, near };
         self.problems.push(Diagnostic::new(cause, path.span).label("not found"));

@@ -71,6 +71,16 @@ impl Evaluator<'_> {
         }
     }
 
+    /// Reports a value that changes unseen for a variable of this type, unless it is one that may change at any time.
+    pub(crate) fn check_seen(&mut self, ty: Type, value: ExprId, span: Span) -> Option<()> {
+        let is_discrete = !matches!(ty, Type::Real | Type::String | Type::Clock);
+        if is_discrete && self.changes_unseen(value) {
+            self.report_continuous(ty, span);
+            return None;
+        }
+        Some(())
+    }
+
     /// Reports a value that changes between events for a variable that does not.
     pub(crate) fn report_continuous(&mut self, ty: Type, span: Span) {
         let of = crate::symbolic::print::type_name(&self.graph, ty);

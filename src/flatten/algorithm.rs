@@ -214,10 +214,8 @@ impl Section {
             return;
         }
         for (v, value) in outputs.iter().zip(values) {
-            let ty = self.types[v];
-            if !matches!(ty, Type::Real | Type::String | Type::Clock) && cx.changes_unseen(*value) {
-                cx.report_continuous(ty, list[self.last[v]].span);
-            }
+            // All of them are reported.
+            let _ = cx.check_seen(self.types[v], *value, list[self.last[v]].span);
         }
     }
 

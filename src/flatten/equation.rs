@@ -214,12 +214,8 @@ fn equate(
             let discrete = |t: Type| !matches!(t, Type::Real | Type::String | Type::Clock);
             // Initial equations hold at a single instant, so continuity does not matter.
             if discrete(s) && discrete(t) && !target.initial {
-                for e in [*a, *b] {
-                    if cx.changes_unseen(e) {
-                        cx.report_continuous(s, span);
-                        return None;
-                    }
-                }
+                cx.check_seen(s, *a, span)?;
+                cx.check_seen(s, *b, span)?;
             }
             let (a, b) = (real_literal(cx, *a, t), real_literal(cx, *b, s));
             target.push(EquationKind::Equal(a, b), span);

@@ -172,11 +172,8 @@ fn merge(
     for ((a, b, origin), (a2, b2, _)) in first.into_iter().zip(second) {
         let kind = if a == a2 {
             let merged = cx.graph.if_then_else(c, b, b2);
-            let ty = cx.graph.ty(a);
-            let is_discrete = !matches!(ty, Type::Real | Type::String | Type::Clock);
-            if is_discrete && !target.initial && cx.changes_unseen(merged) {
-                cx.report_continuous(ty, origin.span);
-                return None;
+            if !target.initial {
+                cx.check_seen(cx.graph.ty(a), merged, origin.span)?;
             }
             EquationKind::Equal(a, merged)
         } else if cx.graph.ty(a) == Type::Real || cx.graph.ty(b) == Type::Real {

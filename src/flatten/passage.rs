@@ -119,7 +119,8 @@ fn redirect(flat: &mut FlatModel, passages: &[Passage]) {
     let mut graph = std::mem::take(&mut flat.graph);
     let mut readers = Readers::new(passages);
     for (k, e) in flat.equations.iter_mut().enumerate() {
-        let own = passages.iter().map(|p| p.source.has_equation(k, &e.origin.component)).collect();
+        let own: Vec<bool> =
+            passages.iter().map(|p| p.source.has_equation(k, &e.origin.component)).collect();
         e.map_expressions(&mut |e| readers.read(&mut graph, e, &own));
     }
     let own: Vec<bool> = vec![false; passages.len()];
@@ -135,7 +136,8 @@ fn redirect(flat: &mut FlatModel, passages: &[Passage]) {
         let inside = passages.iter().position(|p| x.name.starts_with(&p.component));
         x.binding = Some(match inside {
             None => {
-                let own = passages.iter().map(|p| p.source.has_binding(v, &x.name)).collect();
+                let own: Vec<bool> =
+                    passages.iter().map(|p| p.source.has_binding(v, &x.name)).collect();
                 readers.read(&mut graph, bound, &own)
             }
             Some(k) => {
@@ -150,20 +152,26 @@ fn redirect(flat: &mut FlatModel, passages: &[Passage]) {
 /// What reads signals outside of the components that they pass through.
 struct Readers<'a> {
     passages: &'a [Passage],
-    /// One rewriter for each choice of signals that are kept.
-    rewriters: FastMap<Vec<bool>, Rewriter>,
+    /// For each choice of signals that are kept: what is read in place of the others, and the expressions so far.
+    known: FastMap<Vec<bool>, (FastMap<VarId, VarId>, Rewriter)>,
 }
 
 impl<'a> Readers<'a> {
     fn new(passages: &'a [Passage]) -> Readers<'a> {
-        Readers { passages, rewriters: FastMap::default() }
+        Readers { passages, known: FastMap::default() }
     }
 
     /// An expression that reads the last output of each signal, except of those that `own` says are kept.
-    fn read(&mut self, graph: &mut Graph, e: ExprId, own: &Vec<bool>) -> ExprId {
-        let read = self.passages.iter().zip(own).filter(|(_, own)| !**own);
-        let by = read.map(|(p, _)| (p.signal, p.output)).collect();
-        replaced(self.rewriters.entry(own.clone()).or_default(), graph, e, &by)
+    fn read(&mut self, graph: &mut Graph, e: ExprId, own: &[bool]) -> ExprId {
+        if !self.known.contains_key(own) {
+            let read = self.passages.iter().zip(own).filter(|(_, own)| !**own);
+            let by = read.map(|(p, _)| (p.signal, p.output)).collect();
+            self.known.insert(own.to_vec(), (by, Rewriter::new()));
+        }
+        match self.known.get_mut(own) {
+            Some((by, rewriter)) => replaced(rewriter, graph, e, by),
+            None => e,
+        }
     }
 }
 

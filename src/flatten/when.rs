@@ -41,9 +41,8 @@ fn conditions(cx: &mut Evaluator<'_>, e: &Expr, scope: Scope) -> Option<Vec<Expr
     let value = cx.evaluate(e, scope)?;
     let list: Option<Vec<ExprId>> =
         value.elements().iter().map(|v| cx.boolean_of(v, e.span)).collect();
-    if list.iter().flatten().any(|c| cx.changes_unseen(*c)) {
-        cx.report_continuous(Type::Boolean, e.span);
-        return None;
+    for condition in list.iter().flatten() {
+        cx.check_seen(Type::Boolean, *condition, e.span)?;
     }
     list
 }
