@@ -309,6 +309,26 @@ fn quiet_commands_print_nothing() {
     }
 }
 
+/// Files next to the model that are called like a function and a type of the language are not looked at.
+#[test]
+fn files_do_not_replace_what_the_language_defines() {
+    let folder = Scratch::new();
+    folder.file("main.mo", "model Main\n  Real x = sin(time) + delay(1, 1);\nend Main;\n");
+    folder.file(
+        "sin.mo",
+        "function sin\n  input Real u;\n  output Real y = 7;\nalgorithm\n  y := 7;\nend sin;\n",
+    );
+    folder.file("delay.mo", "model Delay\nend Delay;\n");
+    folder.file("Real.mo", "model Real\nend Real;\n");
+    let words = ["simulate", "main.mo", "--stop", "1", "-o", "run.csv", "--quiet"];
+    let ended = mocc(folder.path(), &words);
+    assert_eq!(ended.status, 0, "{}", ended.err);
+    let run = fs::read_to_string(folder.path().join("run.csv")).expect("a table");
+    let last = run.lines().last().and_then(|row| row.split(',').nth(1)).expect("a row");
+    let x: f64 = last.parse().expect("a number");
+    assert!((x - (1.0_f64.sin() + 1.0)).abs() < 1e-12, "{x}");
+}
+
 /// `Pump` is in `Pump.mo`, and `Parts` in a folder, next to the model.
 #[test]
 fn classes_next_to_the_model_are_found() {
