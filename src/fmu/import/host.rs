@@ -4,7 +4,7 @@
 //! child removes the folder of the FMU and ends. A call that takes long is named in a file in that folder, for the
 //! message about one that does not return.
 
-use std::io;
+use std::io::{self, BufReader};
 use std::os::fd::AsFd;
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ const DISPLACEMENT: f64 = 1.5e-8;
 
 /// Serves until the end of the stream. Errors: the standard input is not a socket.
 pub fn serve() -> io::Result<()> {
-    let mut stream = UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?);
+    let mut stream = BufReader::new(UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?));
     let mut buffer = Vec::new();
     let mut host: Option<Host> = None;
     while let Ok(order) = receive::<Order>(&mut stream, &mut buffer) {
@@ -58,7 +58,7 @@ pub fn serve() -> io::Result<()> {
             (order, Some(host)) => host.carry_out(order).unwrap_or_else(answer_of),
             (_, None) => answer_of(Trouble::NotInstantiated),
         };
-        if send(&mut stream, &answer, &mut buffer).is_err() {
+        if send(stream.get_mut(), &answer, &mut buffer).is_err() {
             break;
         }
     }
@@ -125,6 +125,8 @@ struct Host {
     /// The groups of the watched values by type, and for each watched value its place among those that are fetched.
     fetched: Vec<(Passing, Vec<Group>)>,
     places: Vec<usize>,
+    /// Memory for those values.
+    all: Vec<f64>,
     /// Directional derivatives failed: take differences.
     no_derivatives: bool,
     nominals: Vec<f64>,
@@ -158,7 +160,8 @@ impl Host {
         };
         let places = load.watched.iter().map(place).collect();
         let nominals = vec![1.0; load.state_count];
-        Ok(Host { instance, load, fetched, places, no_derivatives: false, nominals })
+        let all = Vec::with_capacity(total);
+        Ok(Host { instance, load, fetched, places, all, no_derivatives: false, nominals })
     }
 
     fn carry_out(&mut self, order: Order) -> Result<Answer, Trouble> {
@@ -186,16 +189,12 @@ impl Host {
                 if let Some(point) = point {
                     self.place(&point)?;
                 }
-                let mut all = Vec::new();
-                for (passing, groups) in &self.fetched {
-                    self.instance.get(*passing, groups, &mut all)?;
-                }
-                Answer::Numbers(self.places.iter().map(|at| all[*at]).collect())
+                Answer::Numbers(self.watched()?)
             }
             Order::Complete(point) => {
                 self.place(&point)?;
                 let (event, ends) = self.instance.complete_step()?;
-                Answer::Step(point.t, event, ends)
+                Answer::Step(point.t, event, ends, Vec::new())
             }
             Order::Event(point) => {
                 self.instance.set_time(point.t)?;
@@ -207,10 +206,19 @@ impl Host {
             Order::Step(t, size, inputs) => {
                 self.set(&inputs)?;
                 let (reached, ends) = self.instance.step(t, size)?;
-                Answer::Step(reached, false, ends)
+                Answer::Step(reached, false, ends, self.watched()?)
             }
             Order::Load(_) | Order::End | Order::Leave => Answer::Numbers(Vec::new()),
         })
+    }
+
+    /// The watched values.
+    fn watched(&mut self) -> Result<Vec<f64>, Trouble> {
+        self.all.clear();
+        for (passing, groups) in &self.fetched {
+            self.instance.get(*passing, groups, &mut self.all)?;
+        }
+        Ok(self.places.iter().map(|at| self.all[*at]).collect())
     }
 
     /// Sets time, states, and the inputs that may change between events.

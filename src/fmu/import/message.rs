@@ -3,7 +3,7 @@
 //! A message is its length as four bytes, lowest first, and its content. Each [`Order`] but the
 //! last has one [`Answer`]; the child sends nothing by itself, and ends at the end of the stream.
 
-use std::io::{self, Read, Write};
+use std::io::{self, BufRead, Write};
 
 use crate::base::wire::{Damaged, Reader, Wire, wire_struct};
 
@@ -82,8 +82,8 @@ pub enum Answer {
     Numbers(Vec<f64>),
     /// States, nominals, indicators, next event, end of the run.
     Event(Vec<f64>, Vec<f64>, Vec<f64>, Option<f64>, bool),
-    /// Instant reached, an event is asked for, end of the run.
-    Step(f64, bool, bool),
+    /// Instant reached, an event is asked for, end of the run; the watched values there, if the FMU has integrated.
+    Step(f64, bool, bool, Vec<f64>),
     /// The library cannot be loaded, for this reason.
     NotLoaded(String),
     /// The library needs Python, which cannot be loaded, for this reason.
@@ -193,11 +193,12 @@ impl Wire for Answer {
                 next.write(out);
                 ends.write(out);
             }
-            Answer::Step(reached, event, ends) => {
+            Answer::Step(reached, event, ends, values) => {
                 out.push(2);
                 reached.write(out);
                 event.write(out);
                 ends.write(out);
+                values.write(out);
             }
             Answer::NotLoaded(why) => {
                 out.push(3);
@@ -230,7 +231,12 @@ impl Wire for Answer {
                 Wire::read(from)?,
                 Wire::read(from)?,
             ),
-            2 => Answer::Step(Wire::read(from)?, Wire::read(from)?, Wire::read(from)?),
+            2 => Answer::Step(
+                Wire::read(from)?,
+                Wire::read(from)?,
+                Wire::read(from)?,
+                Wire::read(from)?,
+            ),
             3 => Answer::NotLoaded(Wire::read(from)?),
             4 => Answer::NotInstantiated(Wire::read(from)?),
             5 => Answer::Failed(
@@ -255,8 +261,8 @@ pub fn send(to: &mut impl Write, what: &impl Wire, buffer: &mut Vec<u8>) -> io::
     to.write_all(buffer)
 }
 
-/// Receives a message.
-pub fn receive<T: Wire>(from: &mut impl Read, buffer: &mut Vec<u8>) -> io::Result<T> {
+/// Receives a message. `from` is buffered: a message then costs one call of the system.
+pub fn receive<T: Wire>(from: &mut impl BufRead, buffer: &mut Vec<u8>) -> io::Result<T> {
     let mut length = [0; 4];
     from.read_exact(&mut length)?;
     let length = u32::from_le_bytes(length) as usize;

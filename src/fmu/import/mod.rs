@@ -8,6 +8,7 @@
 //! reaches the run as a message that names it.
 
 pub mod block;
+mod chain;
 pub mod component;
 pub mod description;
 #[cfg(unix)]
