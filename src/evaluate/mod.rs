@@ -17,6 +17,7 @@ pub mod cause;
 mod clock;
 mod collection;
 pub mod connection_operator;
+mod definite_assignment;
 pub mod demand;
 mod dynamic_index;
 mod enumeration;

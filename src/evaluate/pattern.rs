@@ -8,9 +8,11 @@ use super::Evaluator;
 use super::cause::array::{ArrayCause, Pair};
 use super::cause::call::CallCause;
 use super::cause::types::{Expected, TypeCause};
+use super::definite_assignment::{Missing, Parts, elements, missing};
 use super::function::Components;
 use super::reference::Selection;
 use super::value::{Record, Value};
+use crate::base::diag::Diagnostic;
 use crate::base::index::{FastMap, FastSet};
 use crate::base::name::Name;
 use crate::base::source::Span;
@@ -397,7 +399,7 @@ impl Evaluator<'_> {
         made
     }
 
-    /// Reports outputs of a function to which nothing is ever assigned.
+    /// Reports outputs of a function to which nothing is ever assigned, or not in every case.
     pub(super) fn check_outputs(&mut self, class: ClassId, components: &Components) {
         if !self.patterns.checked.insert(class) || self.table(class).external.is_some() {
             return;
@@ -416,18 +418,84 @@ impl Evaluator<'_> {
             }
         }
         let patterns = self.patterns_of_function(class, components);
+        let mut outputs = FastMap::default();
         for (entry, declaration) in components {
             let name = entry.name.name;
             let is_output = self.causality(entry, declaration) == Some(Causality::Output);
-            if !is_output
-                || assigned.contains(&name)
-                || self.declared_value(entry, declaration).is_some()
-                || !patterns.get(&name).is_some_and(Pattern::surely_has_scalars)
-            {
+            if !is_output || self.declared_value(entry, declaration).is_some() {
                 continue;
             }
-            let function = self.classes[class].full_name;
-            self.report(CallCause::UnassignedOutput { function, name }, entry.name.span);
+            let pattern = patterns.get(&name);
+            if assigned.contains(&name) {
+                // A modification may give values to fields.
+                let is_plain = declaration.component().modification.is_none();
+                let pattern = pattern.filter(|p| is_plain || !matches!(p, Pattern::Record(..)));
+                let parts = pattern.map_or_else(Parts::new, |pattern| self.parts(pattern));
+                outputs.insert(name, (entry.name.span, parts));
+            } else if pattern.is_some_and(Pattern::surely_has_scalars) {
+                let function = self.classes[class].full_name;
+                self.report(CallCause::UnassignedOutput { function, name }, entry.name.span);
+            }
+        }
+        self.check_paths(class, &outputs);
+    }
+
+    /// The fields of a record without default, or the elements of an array of scalars with sizes that are written as
+    /// numbers.
+    fn parts(&mut self, pattern: &Pattern) -> Parts {
+        match pattern {
+            Pattern::Record(Some(class), fields) => {
+                let mut parts = Parts::new();
+                for (entry, declaration) in self.components(*class) {
+                    let own = fields.iter().find(|(name, _)| *name == entry.name.name);
+                    let has_value = |(_, pattern): &(Name, Pattern)| pattern.surely_has_scalars();
+                    if own.is_some_and(has_value)
+                        && self.declared_value(&entry, &declaration).is_none()
+                    {
+                        parts.insert(format!(".{}", entry.name.name));
+                    }
+                }
+                parts
+            }
+            Pattern::Array(sizes, element) if matches!(**element, Pattern::Scalar(_)) => {
+                let size = |size: &Size| match size {
+                    Size::Known(n) => Some(*n),
+                    _ => None,
+                };
+                let sizes: Option<Vec<usize>> = sizes.iter().map(size).collect();
+                sizes.map_or_else(Parts::new, |sizes| elements(&sizes))
+            }
+            _ => Parts::new(),
+        }
+    }
+
+    /// Warns of outputs that have no value, or not of all their parts, at some end of a function of the user. In libraries
+    /// some functions leave to their callers which outputs have a meaning.
+    fn check_paths(&mut self, class: ClassId, outputs: &FastMap<Name, (Span, Parts)>) {
+        let full_name = self.classes[class].full_name;
+        let root = full_name.split('.').next().unwrap_or_default();
+        let is_own = |span: Span| {
+            let files = self.library.file_classes();
+            files.iter().any(|c| c.name.name == root || c.name.span.file == span.file)
+        };
+        if !outputs.values().any(|(span, _)| is_own(*span)) {
+            return;
+        }
+        let table = self.table(class);
+        let statements = table.sections.iter().filter_map(|section| match &section.kind {
+            SectionKind::Algorithm(statements, _) => Some(&**statements),
+            SectionKind::Equations(_) => None,
+        });
+        let parts = outputs.iter().map(|(name, (_, parts))| (*name, parts.clone())).collect();
+        let function = self.classes[class].full_name;
+        for Missing { name, part, branch } in missing(&parts, statements) {
+            let cause = CallCause::OutputInPart { function, name, part };
+            let mut problem = Diagnostic::new(cause, outputs[&name].0);
+            if let Some(branch) = branch {
+                problem =
+                    problem.also(branch, "some paths through this `if` assign it, others do not");
+            }
+            self.problems.push(problem);
         }
     }
 }
