@@ -139,12 +139,12 @@ impl Evaluator<'_> {
         {
             return self.run_assert(args, named, call.span, scope);
         }
-        if let ExprKind::Call { function, args, .. } = &call.kind
+        if let ExprKind::Call { function, args, named } = &call.kind
             && function.simple().is_some_and(|n| n == "terminate")
             && self.random_draws.place == Place::When
             && !self.frames.in_function()
         {
-            let message = self.evaluate_scalar(args.first()?, scope)?;
+            let message = self.message_of_terminate(args, named, call.span, scope)?;
             let active = self.active_condition();
             self.assertions.terminations.push((active, message));
             return Some(());

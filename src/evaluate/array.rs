@@ -97,7 +97,7 @@ impl Evaluator<'_> {
                 let value = self.graph.integer(i64::from(name == "ones"));
                 self.filled(Value::Scalar(value), sizes, scope)
             }
-            ("fill", [value, sizes @ ..]) => {
+            ("fill", [value, sizes @ ..]) if !sizes.is_empty() => {
                 let value = self.evaluate(value, scope)?;
                 self.filled(value, sizes, scope)
             }

@@ -4,10 +4,12 @@ use super::Evaluator;
 use super::algorithm::Exits;
 use super::builtin::argument;
 use super::cause::call::{CallCause, Takes};
+use super::cause::types::Expected;
 use super::random_draw::Place;
+use super::value::Value;
 use crate::base::source::Span;
 use crate::ir::ast::{Expr, Ident};
-use crate::ir::expr::{Const, ExprId};
+use crate::ir::expr::{Const, ExprId, Type};
 use crate::ir::flat::{Assert, AssertionLevel};
 use crate::ir::instance::Scope;
 
@@ -92,10 +94,9 @@ impl Evaluator<'_> {
         scope: Scope,
     ) -> Option<()> {
         let find = |k: usize, name: &str| argument(args, named, k, name);
-        let (Some(condition), Some(message)) = (find(0, "condition"), find(1, "message")) else {
-            let takes = Takes::These("a condition and a message");
-            let function = "assert".to_string();
-            self.report(CallCause::WrongArguments { function, takes }, span);
+        let both = (find(0, "condition"), find(1, "message"));
+        let ((Some(condition), Some(message)), ..=3) = (both, args.len() + named.len()) else {
+            self.report_arguments_of_assert(span);
             return None;
         };
         let value = self.evaluate(condition, scope)?;
@@ -104,10 +105,48 @@ impl Evaluator<'_> {
             return Some(());
         }
         let violated = self.graph.not(condition);
+        let at = message.span;
         let message = self.under(violated, |cx| cx.evaluate_scalar(message, scope))?;
+        if !self.is_message(message, at) {
+            return None;
+        }
         let level = find(2, "level").and_then(|l| self.evaluate_scalar(l, scope));
         let level = level.and_then(|l| self.graph.as_const(l));
         self.assert_now_or_later(condition, message, level_of(level), span)
+    }
+
+    /// Reports an assertion without a condition or a message, or with too many arguments.
+    pub(crate) fn report_arguments_of_assert(&mut self, span: Span) {
+        let takes = Takes::These("a condition, a message and perhaps a level");
+        self.report(CallCause::WrongArguments { function: "assert".to_string(), takes }, span);
+    }
+
+    /// The message of `terminate(message)`.
+    pub(crate) fn message_of_terminate(
+        &mut self,
+        args: &[Expr],
+        named: &[(Ident, Expr)],
+        span: Span,
+        scope: Scope,
+    ) -> Option<ExprId> {
+        let message = argument(args, named, 0, "message");
+        let (Some(message), 1) = (message, args.len() + named.len()) else {
+            let takes = Takes::These("a message");
+            let function = "terminate".to_string();
+            self.report(CallCause::WrongArguments { function, takes }, span);
+            return None;
+        };
+        let text = self.evaluate_scalar(message, scope)?;
+        self.is_message(text, message.span).then_some(text)
+    }
+
+    /// Reports a message that is not a String.
+    pub(crate) fn is_message(&mut self, text: ExprId, span: Span) -> bool {
+        let is_string = self.graph.ty(text) == Type::String;
+        if !is_string {
+            self.report_type(Expected::Message, &Value::Scalar(text), span);
+        }
+        is_string
     }
 
     /// Reports an assertion that is false; leaves one that is not known yet to the run.

@@ -251,6 +251,10 @@ impl Evaluator<'_> {
             "cardinality" => self.cardinality(args, span, scope),
             "inStream" => self.in_stream_call(args, span, scope),
             "actualStream" => self.actual_stream_call(args, span, scope),
+            "getInstanceName" if !args.is_empty() || !named.is_empty() => {
+                self.wrong_arguments(span, "no arguments");
+                None
+            }
             "getInstanceName" => self.instance_name(scope),
             "String" => self.string_call(args, named, span, scope),
             "min" | "max" => self.min_max(name.as_str(), args, span, scope),
@@ -433,7 +437,10 @@ impl Evaluator<'_> {
         };
         let order = self.fold_size(order, scope)? as u32;
         let value = self.evaluate(e, scope)?;
-        value.map(|v| v.scalar().map(|e| Value::Scalar(self.graph.smooth(order, e))))
+        value.map(|v| {
+            let smoothed = self.number(v, e.span)?;
+            Some(Value::Scalar(self.graph.smooth(order, smoothed)))
+        })
     }
 
     fn homotopy_call(
@@ -444,7 +451,8 @@ impl Evaluator<'_> {
         scope: Scope,
     ) -> Option<Value> {
         let find = |k: usize, name: &str| argument(args, named, k, name);
-        let (Some(actual), Some(simplified)) = (find(0, "actual"), find(1, "simplified")) else {
+        let both = (find(0, "actual"), find(1, "simplified"));
+        let ((Some(actual), Some(simplified)), 2) = (both, args.len() + named.len()) else {
             self.wrong_arguments(span, "two arguments");
             return None;
         };

@@ -13,7 +13,7 @@ use crate::evaluate::assertion::{Asserted, level_of};
 use crate::evaluate::builtin::argument;
 use crate::evaluate::cause::array::Pair;
 use crate::evaluate::cause::builtin::BuiltinCause;
-use crate::evaluate::cause::call::{CallCause, Takes};
+use crate::evaluate::cause::call::CallCause;
 use crate::evaluate::cause::types::{Expected, Pairing, TypeCause};
 use crate::evaluate::implicit_ranges::Body;
 use crate::evaluate::random_draw::Place;
@@ -343,9 +343,9 @@ pub(super) fn assertion(
     scope: Scope,
 ) -> Option<Assert> {
     let find = |k: usize, name: &str| argument(args, named, k, name);
-    let (Some(condition), Some(message)) = (find(0, "condition"), find(1, "message")) else {
-        let (function, takes) = ("assert".to_string(), Takes::These("a condition and a message"));
-        cx.report(CallCause::WrongArguments { function, takes }, span);
+    let both = (find(0, "condition"), find(1, "message"));
+    let ((Some(condition), Some(message)), ..=3) = (both, args.len() + named.len()) else {
+        cx.report_arguments_of_assert(span);
         return None;
     };
     let c = cx.evaluate(condition, scope)?;
@@ -357,8 +357,7 @@ pub(super) fn assertion(
     }
     let violated = cx.graph.not(c);
     let text = cx.under(violated, |cx| cx.evaluate_scalar(message, scope))?;
-    if cx.graph.ty(text) != Type::String {
-        cx.report_type(Expected::Message, &Value::Scalar(text), message.span);
+    if !cx.is_message(text, message.span) {
         return None;
     }
     let level = match find(2, "level") {

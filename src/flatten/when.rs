@@ -240,7 +240,7 @@ fn call_action(
             Some(())
         }
         Some("terminate") => {
-            let message = cx.evaluate_scalar(args.first()?, scope)?;
+            let message = cx.message_of_terminate(args, named, call.span, scope)?;
             out.push(Action::Terminate { message, guard: None });
             Some(())
         }

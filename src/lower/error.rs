@@ -44,10 +44,10 @@ causes! {
         error MO0308 NotAssignedForm (section "B")
             => ("an equation between discrete expressions must have a discrete variable alone on one side"),
             help("write `variable = expression`");
-        /// `==` or `<>` compares Reals that vary.
-        error MO0309 EqualityOfReals { operator: String } (section "3.5")
-            => ("cannot compare continuous Real expressions with `{operator}` outside of functions"),
-            help("compare with `<=` or `>=`, or with a tolerance: `abs(a - b) < eps`");
+        /// `==` or `<>` compares values that vary between events.
+        error MO0309 EqualityBetweenEvents { operator: String, values: &'static str, remedy: &'static str } (section "3.5")
+            => ("cannot compare {values} with `{operator}` outside of functions"),
+            help("{remedy}");
         /// `pre` of a continuous variable outside of a when-clause.
         error MO0325 PreOfContinuous { name: String } (section "3.7.5")
             => ("`pre({name})` outside of a when-clause: `{name}` is continuous"),
@@ -157,9 +157,20 @@ pub fn pre_of_continuous(v: &dae::Variable, origin: &Origin) -> Diagnostic {
     Diagnostic::new(cause, origin.span).label(in_component(origin))
 }
 
-/// `==` or `<>` between reals that vary.
-pub fn equality_of_reals(op: &str, origin: &Origin) -> Diagnostic {
-    let cause = LoweringCause::EqualityOfReals { operator: op.to_owned() };
+/// `==` or `<>` between values that vary between events, which are Reals or of a discrete type.
+pub fn equality_between_events(op: &str, are_reals: bool, origin: &Origin) -> Diagnostic {
+    let operator = op.to_owned();
+    let (values, remedy) = match are_reals {
+        true => (
+            "continuous Real expressions",
+            "compare with `<=` or `>=`, or with a tolerance: `abs(a - b) < eps`",
+        ),
+        false => (
+            "values that change between events",
+            "write relations without `noEvent`, and in the model rather than in a function, so that they generate events",
+        ),
+    };
+    let cause = LoweringCause::EqualityBetweenEvents { operator, values, remedy };
     Diagnostic::new(cause, origin.span).label(in_component(origin))
 }
 

@@ -300,7 +300,9 @@ impl<'a> Rewriting<'a> {
             Binary::Greater => ((b, a), false),
             Binary::LessEqual => ((b, a), true),
             _ => {
-                self.problems.push(error::equality_of_reals(op.name(), origin));
+                let are_reals = [a, b].iter().any(|e| self.graph.ty(*e) == Type::Real);
+                let problem = error::equality_between_events(op.name(), are_reals, origin);
+                self.problems.push(problem);
                 return e;
             }
         };

@@ -63,6 +63,10 @@ causes! {
         error MO0252 UnassignedOutput { function: Name, name: Name } (section "12.4.4")
             => ("output `{name}` of `{function}` never gets a value"),
             help("assign it in the algorithm of the function, or give it a default: `= ...`");
+        /// An output of a function, or a part of it, is not assigned on every path.
+        warning MO0255 OutputInPart { function: Name, name: Name, part: String } (section "12.4.4")
+            => ("`{function}` may end without a value of its output `{name}{part}`, which is then 0, false or empty"),
+            help("assign every field and element of it on every path, or give it a default: `= ...`");
         /// A loop runs longer than mocc allows.
         error MO0221 EndlessLoop { most: usize }
             => ("this loop runs more than {most} times"),

@@ -253,3 +253,27 @@ end Media;
 //@ expect bound.phase at 0.4, 1, 1.8 = 1, 2, 1
 //@ expect equated.phase at 0.3, 1, 1.5 = 1, 2, 1
 //@ expect events = 4
+
+//@ case arguments_of_operators_are_counted
+//@ check
+model Counts
+  //@ error[MO0219] 12-31
+  Real h = homotopy(time, 1, 2);
+  //@ error[MO0219] 12-18
+  Real f = fill(1);
+  //@ error[MO0219] 14-31
+  String s = getInstanceName(1);
+  //@ error[MO0212] 22-31
+  Real b = smooth(0, time > 0.5);
+equation
+  //@ error[MO0219] 3-44
+  assert(true, "a", AssertionLevel.error, 1);
+  when time > 0.8 then
+    //@ error[MO0219] 5-23
+    terminate("a", "b");
+  end when;
+  when time > 0.9 then
+    //@ error[MO0212] 15
+    terminate(3);
+  end when;
+end Counts;

@@ -158,3 +158,13 @@ equation
   der(t) = 1;
   u = t;
 end Lengths;
+
+//@ case comparisons_of_discrete_values_that_change_between_events
+//@ check
+model Unseen
+  //@ error[MO0309] 11
+  Boolean b = noEvent(time > 0.5) == true;
+  //@ error[MO0309] 11
+  Boolean c = sign(time - 0.5) == 1;
+end Unseen;
+//@ expect messages lacks "Real"
