@@ -19,6 +19,8 @@ pub fn jumps(a: f64, b: f64) -> bool {
 pub struct PolynomialSegment {
     t: VecDeque<f64>,
     value: VecDeque<f64>,
+    /// Abscissas of points at which the slope may jump: no polynomial goes through points on both sides.
+    corners: VecDeque<f64>,
 }
 
 /// The value of a segment beyond its ends.
@@ -33,7 +35,7 @@ pub enum Extrapolation {
 impl PolynomialSegment {
     /// A segment of one point.
     pub fn of(t: f64, value: f64) -> Self {
-        PolynomialSegment { t: [t].into(), value: [value].into() }
+        PolynomialSegment { t: [t].into(), value: [value].into(), corners: VecDeque::new() }
     }
 
     /// Number of points.
@@ -62,6 +64,15 @@ impl PolynomialSegment {
         self.value.push_back(value);
     }
 
+    /// The last point is one at which the slope may jump.
+    pub fn mark_corner(&mut self) {
+        if let Some((t, _)) = self.last()
+            && self.corners.back() != Some(&t)
+        {
+            self.corners.push_back(t);
+        }
+    }
+
     /// Prepends a point; replaces the first one if both nearly coincide.
     pub fn push_first(&mut self, t: f64, value: f64) {
         if self.points() > 1 && self.t[0] - t < COINCIDENT * (self.t[1] - self.t[0]) {
@@ -77,6 +88,9 @@ impl PolynomialSegment {
         let passed = self.t.partition_point(|x| *x < t).saturating_sub(4);
         self.t.drain(..passed);
         self.value.drain(..passed);
+        let first = self.t.front().copied().unwrap_or(t);
+        let passed = self.corners.partition_point(|x| *x <= first);
+        self.corners.drain(..passed);
     }
 
     /// Drops the points after `t` except the few that interpolation at `t` needs.
@@ -104,6 +118,23 @@ impl PolynomialSegment {
         self.push_last(t, value);
     }
 
+    /// The positions of the points between the corners around `t`: the first, and one more than the last.
+    fn piece(&self, t: f64) -> (usize, usize) {
+        if self.corners.is_empty() {
+            return (0, self.points());
+        }
+        let next = self.corners.partition_point(|x| *x <= t);
+        let low = next.checked_sub(1).map_or(0, |k| {
+            let corner = self.corners[k];
+            self.t.partition_point(|x| *x < corner)
+        });
+        let high = self
+            .corners
+            .get(next)
+            .map_or(self.points(), |corner| self.t.partition_point(|x| x <= corner));
+        (low, high)
+    }
+
     /// The derivative of this order at `t`; the value for order 0.
     pub fn at(&self, t: f64, order: u32, beyond: Extrapolation) -> f64 {
         let (Some((first, first_value)), Some((last, last_value))) = (self.first(), self.last())
@@ -114,8 +145,9 @@ impl PolynomialSegment {
         let inside = t > first && t < last;
         let (from, to) = if n > 1 && inside {
             let after = self.t.partition_point(|x| *x <= t);
-            let from = after.saturating_sub(2).min(n.saturating_sub(4));
-            (from, (from + 4).min(n))
+            let (low, high) = self.piece(t);
+            let from = after.saturating_sub(2).min(high.saturating_sub(4)).max(low);
+            (from, (from + 4).min(high))
         } else if n == 1 || beyond == Extrapolation::Constant {
             let end = if t <= first { first_value } else { last_value };
             return if order == 0 { end } else { 0.0 };
@@ -163,7 +195,7 @@ fn through(x: &[f64], y: &mut [f64], t: f64, order: u32) -> f64 {
     }
 }
 
-crate::base::wire::wire_struct!(PolynomialSegment { t, value });
+crate::base::wire::wire_struct!(PolynomialSegment { t, value, corners });
 
 #[cfg(test)]
 mod tests {
@@ -186,6 +218,24 @@ mod tests {
         assert_eq!((at(-1.0, 0), at(3.0, 0)), (f(0.0), f(2.1)));
         let slope = (f(0.3) - f(0.0)) / 0.3;
         assert!((segment.at(-1.0, 0, Extrapolation::Linear) - (f(0.0) - slope)).abs() < 1e-13);
+    }
+
+    /// The absolute value from straight lines on both sides, where a cubic through both would swing.
+    #[test]
+    fn a_corner_stays_one() {
+        let mut segment = PolynomialSegment::of(-1.0, 1.0);
+        for k in -9..=10 {
+            let t = 0.1 * f64::from(k);
+            segment.push_last(t, t.abs());
+            if k == 0 {
+                segment.mark_corner();
+            }
+        }
+        for t in [-0.14, -0.06, -0.01, 0.0, 0.03, 0.08, 0.17, 0.95] {
+            assert!((segment.at(t, 0, Extrapolation::Constant) - f64::abs(t)).abs() < 1e-15);
+        }
+        segment.discard_before(0.5);
+        assert!(segment.corners.is_empty());
     }
 
     /// Two points of an event whose abscissas differ only by rounding would give an arbitrary

@@ -92,8 +92,14 @@ impl DelayBuffers {
         }
     }
 
-    /// Adds a point to each history. A value that differs after an event starts a new segment.
-    pub fn record(&mut self, t: f64, memory: &[f64], after_event: bool) {
+    /// The delayed expressions as they are now.
+    pub fn sources<'m>(&'m self, memory: &'m [f64]) -> impl Iterator<Item = f64> + 'm {
+        self.lines.iter().map(|line| memory[line.source as usize])
+    }
+
+    /// Adds a point to each history. A value that differs after an event starts a new segment, and any event may be a
+    /// corner. Values at the output from the instant `needed` on may still be asked for.
+    pub fn record(&mut self, t: f64, memory: &[f64], after_event: bool, needed: f64) {
         for line in &mut self.lines {
             let value = memory[line.source as usize];
             let Some(segment) = line.segments.last_mut() else { continue };
@@ -101,10 +107,14 @@ impl DelayBuffers {
                 Some((last, old)) if after_event && jumps(old, value) => {
                     line.segments.push(PolynomialSegment::of(last, value));
                 }
-                Some((last, _)) if last >= t => {}
+                Some((last, _)) if last >= t => {
+                    if after_event {
+                        segment.mark_corner();
+                    }
+                }
                 _ => segment.push_last(t, value),
             }
-            line.discard_before(t - memory[line.delay as usize]);
+            line.discard_before(needed - memory[line.delay as usize]);
         }
     }
 
@@ -211,10 +221,10 @@ mod tests {
         let mut memory = [1.0, 0.5, 0.0];
         let mut delays = DelayBuffers::new(&layout);
         assert_eq!(delays.begin(0.0, &memory), Some(VarId(0)));
-        delays.record(1.0, &memory, false);
+        delays.record(1.0, &memory, false, 0.0);
         memory[0] = 3.0;
-        delays.record(1.0, &memory, true);
-        delays.record(2.0, &memory, false);
+        delays.record(1.0, &memory, true, 1.0);
+        delays.record(2.0, &memory, false, 1.0);
         assert_eq!(delays.next_breakpoint(&memory), 1.5);
         delays.write_slots(1.5, &mut memory);
         assert_eq!(memory[2], 1.0);

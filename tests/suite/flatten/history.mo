@@ -110,3 +110,46 @@ model Echo
   Real y = 1 + delay(y, 0.5);
 end Echo;
 //@ status 3
+
+//@ case expressions_faster_than_the_states_are_delayed
+//@ run stop=3 tolerance=1e-6
+// Until 1 s nothing that a state integrates changes fast, so steps are long; the delayed expression has 160 periods in each.
+model Fast
+  Real u = sin(1000*time);
+  Real du = delay(u, 1);
+  Real y(start = 0, fixed = true);
+equation
+  der(y) = du - y;
+end Fast;
+//@ expect each du = sin(1000*(time - 1)) where time >= 1 abs 1e-4
+
+//@ case delayed_corners_stay_corners
+//@ run stop=3 tolerance=1e-8 interval=0.001
+// A triangle wave has corners at its events, which no polynomial goes across.
+model Corners
+  Real u(start = 0, fixed = true);
+  discrete Real slope(start = 1, fixed = true);
+  Real du = delay(u, 1);
+equation
+  der(u) = slope;
+  when sample(0.25, 0.5) then
+    slope = -pre(slope);
+  end when;
+end Corners;
+//@ let wave(t) = 2/(2*3.141592653589793)*asin(sin(2*3.141592653589793*t))/2
+//@ expect each du = wave(time - 1) where time >= 1 abs 1e-7
+
+//@ case steps_much_shorter_than_the_delay
+//@ run stop=2.5 interval=0.01237
+// Rows between events read the history of the step that has just ended.
+model Short
+  Real u(start = 0, fixed = true);
+  Real du = delay(u, 1);
+  Boolean p(start = false, fixed = true);
+equation
+  der(u) = 1;
+  when sample(0, 4e-4) then
+    p = not pre(p);
+  end when;
+end Short;
+//@ expect each du = time - 1 where time >= 1 abs 1e-9
