@@ -21,6 +21,12 @@ pub fn run(options: &Import) -> Status {
     let stem = options.file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
     let class = options.name.clone().or(stem).unwrap_or_default();
     let output = options.output.clone().unwrap_or_else(|| PathBuf::from(format!("{class}.mo")));
+    if options.output.is_none() && block::is_of_others(&output) {
+        let path = output.display();
+        eprintln!("error: `{path}` exists, and `mocc import` has not written it");
+        eprintln!("  = help: name another file with `-o FILE`, or move this one away");
+        return Status::Usage;
+    }
     let fmu = match model::open(&options.file, model::Integrating::RatherThere) {
         Ok(fmu) => fmu,
         Err(diagnostic) => return refuse(&diagnostic),

@@ -30,6 +30,12 @@ const LEAST_REACH: f64 = 1e-9;
 /// Maximum number of times that readers of transport lines may change segments at one instant.
 const MAX_SEGMENT_CHANGES: u32 = 100;
 
+/// A distance as importers get it. That of a transport line to a border of its segments has no bound where there is no
+/// border; its sign alone is then passed on, for FMI knows finite numbers only.
+pub(super) fn near(distance: f64) -> f64 {
+    if distance.abs() >= f64::MAX { distance.signum() } else { distance }
+}
+
 /// How much of the memory belongs to the current point.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Evaluated {
@@ -57,6 +63,8 @@ pub struct Exchange<'p> {
     clocks: Clocks,
     selection: StateSelector,
     t: f64,
+    /// The instant up to which histories are recorded.
+    recorded: f64,
     y: Vec<f64>,
     evaluated: Evaluated,
     /// Relations that an integrator can change, and whether a rising indicator makes them true.
@@ -90,6 +98,7 @@ impl<'p> Exchange<'p> {
             clocks,
             selection,
             t: settings.start,
+            recorded: settings.start,
             y,
             evaluated: Evaluated::Nothing,
             reach: vec![0.0; monitored.len()],
@@ -233,7 +242,7 @@ impl<'p> Exchange<'p> {
     fn distance(&self, k: usize) -> (f64, bool) {
         let (relation, rises) = self.monitored[k];
         let layout = &self.program.layout;
-        let difference = self.system.machine.get(layout.indicators + relation);
+        let difference = near(self.system.machine.get(layout.indicators + relation));
         let held = self.system.machine.get(layout.relations + relation) != 0.0;
         (if rises { difference } else { -difference }, held)
     }
@@ -267,7 +276,9 @@ impl<'p> Exchange<'p> {
     fn record_histories(&mut self, after_event: bool) {
         let machine = &mut self.system.machine;
         if machine.has_history() {
-            machine.delays.record(self.t, &machine.memory, after_event);
+            // Values of the step that ends here may still be asked for.
+            machine.delays.record(self.t, &machine.memory, after_event, self.recorded);
+            self.recorded = self.t;
             machine.transports.record(self.t, &machine.memory, after_event);
         }
     }

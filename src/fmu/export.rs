@@ -51,12 +51,21 @@ pub fn export(
     order: &Order<'_>,
 ) -> Result<(Vec<u8>, Option<Diagnostic>), Box<Diagnostic>> {
     let model = program.blocks.dae.name.clone();
-    let varies = !program.state_sets.is_empty();
+    if let Some(input) = program.differentiated_input() {
+        let input = program.name(input).to_owned();
+        let cause = FmuCause::DifferentiatedInput { model, input };
+        return Err(Box::new(Diagnostic::new(cause, Span::NONE)));
+    }
     let mut warning = None;
-    if varies && order.exchange {
+    let not_exchangeable = not_exchangeable(program);
+    let varies = not_exchangeable.is_some();
+    if order.exchange
+        && let Some(why) = not_exchangeable
+    {
+        let model = model.clone();
         let cause = match order.stepping {
-            true => FmuCause::OnlyStepping { model: model.clone() },
-            false => FmuCause::StatesVary { model: model.clone() },
+            true => FmuCause::OnlyStepping { model, why },
+            false => FmuCause::NotExchangeable { model, why },
         };
         let diagnostic = Diagnostic::new(cause, Span::NONE);
         if !order.stepping {
@@ -118,6 +127,15 @@ pub fn export(
         Diagnostic::new(FmuCause::FileOfFmu { path: "the archive".to_owned(), why }, Span::NONE)
     })?;
     Ok((packed, warning))
+}
+
+/// Why Model Exchange cannot express a model.
+fn not_exchangeable(program: &Program) -> Option<&'static str> {
+    if !program.state_sets.is_empty() {
+        return Some("states are selected");
+    }
+    // An importer only stops where it is told to before a step, and values that are read later are not known then.
+    program.layout.delays.iter().any(|d| d.moves).then_some("a delay time varies")
 }
 
 /// The name of the model as a C identifier.

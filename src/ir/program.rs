@@ -555,6 +555,13 @@ pub struct Continuation {
 }
 
 impl Program {
+    /// An input of the model whose derivative the equations need.
+    pub fn differentiated_input(&self) -> Option<VarId> {
+        let mut signals = self.layout.signals.iter();
+        let is_input = |v: VarId| self.blocks.dae.variables[v].is_input();
+        signals.find(|(v, order, _)| *order > 0 && is_input(*v)).map(|(v, ..)| *v)
+    }
+
     /// The external functions that its instructions refer to.
     #[inline]
     pub fn externals(&self) -> &Arc<Externals> {

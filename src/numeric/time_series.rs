@@ -96,6 +96,9 @@ impl TimeSeries {
     #[inline]
     pub fn at(&self, t: f64, interval: usize, order: u8) -> f64 {
         let last = self.times.len() - 1;
+        // At the last instant itself a slope is that before it: nothing was recorded of a corner there.
+        let is_last = interval > last && order > 0 && last > 0 && t == self.times[last];
+        let interval = if is_last { last } else { interval };
         if interval == 0 || interval > last {
             let end = if interval == 0 { 0 } else { last };
             return if order == 0 { self.values[end] } else { 0.0 };

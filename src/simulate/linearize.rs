@@ -118,6 +118,9 @@ fn obstacle(point: &OperatingPoint<'_>) -> Option<&'static str> {
     if point.system.sliding.is_some() {
         return Some("the solution slides along a border between two branches");
     }
+    if machine.program.differentiated_input().is_some() {
+        return Some("it differentiates an input, so it has no state-space form");
+    }
     if machine.has_history() {
         return Some("`delay` and `spatialDistribution` have infinitely many states");
     }

@@ -4,6 +4,8 @@
 //! At each communication point the FMU has stepped with the inputs of the point before, so outputs never depend on
 //! inputs of the same instant. In: the interface. Out: a text that needs no other library.
 
+use std::path::Path;
+
 use crate::ir::foreign::{ForeignInterface, ForeignRole, ForeignType, ForeignVariable};
 
 use super::text::{comment, identifier, literal, quoted};
@@ -164,6 +166,14 @@ pub fn block(interface: &ForeignInterface, class: &str, file: &str, token: &str)
     );
     out.push_str(&format!("end {name};\n"));
     out
+}
+
+/// True for a file that holds no block of an FMU, such as the model from which an FMU of the same name was exported.
+pub fn is_of_others(path: &Path) -> bool {
+    match std::fs::read_to_string(path) {
+        Ok(text) => !text.contains("mocc_fmu_open"),
+        Err(why) => why.kind() != std::io::ErrorKind::NotFound,
+    }
 }
 
 /// The distance of communication points that suits the FMU, s.

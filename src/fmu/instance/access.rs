@@ -2,7 +2,7 @@
 
 use crate::base::index::Id;
 use crate::base::name::string_of_id;
-use crate::fmu::exchange::count_indicators;
+use crate::fmu::exchange::{count_indicators, near};
 use crate::fmu::interface::{FIRST_DERIVATIVE, FIRST_INDICATOR};
 use crate::fmu::tunable::tunable;
 use crate::ir::expr::{Type, VarId};
@@ -44,7 +44,7 @@ impl Instance<'_> {
             let triggers = self.program.events.relation_triggers.iter().enumerate();
             let at = triggers.filter(|(_, t)| state(t)).nth(k).map_or(0, |(at, _)| at);
             let slot = self.program.layout.indicators + at as Slot;
-            return Ok(self.current()?.get(slot));
+            return Ok(near(self.current()?.get(slot)));
         }
         let mut all = vec![0.0; count];
         self.initialized()?.indicators(&mut all)?;
