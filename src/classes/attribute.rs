@@ -63,10 +63,30 @@ impl ClassGraph<'_> {
     /// the component, then from its type.
     pub fn attribute(&mut self, id: InstanceId, attribute: Name) -> Option<Binding> {
         let of_component = self.attribute_layers(id, attribute);
-        if let Some(binding) = of_component.iter().find_map(Layer::binding) {
+        let mut of_whole = of_component.iter().filter(|layer| !self.is_of_element(id, layer));
+        if let Some(binding) = of_whole.find_map(Layer::binding) {
             return Some(binding);
         }
         self.attribute_layers_of_type(id, attribute).iter().find_map(Layer::binding)
+    }
+
+    /// The bindings of an attribute of elements of an array of scalars, which overrides alone can give: subscripts and values.
+    pub fn attributes_of_elements(
+        &self,
+        id: InstanceId,
+        attribute: Name,
+    ) -> Vec<(Vec<usize>, Binding)> {
+        let layers = self.attribute_layers(id, attribute);
+        let of_elements = layers.iter().filter(|layer| self.is_of_element(id, layer));
+        let one = |layer: &Layer| Some((layer.part_of_holder()?.to_vec(), layer.binding()?));
+        of_elements.filter_map(one).collect()
+    }
+
+    /// Whether a layer sets an attribute of elements of this array of scalars, as `a[2].start=5` does.
+    fn is_of_element(&self, id: InstanceId, layer: &Layer) -> bool {
+        let is_array = |dims: &[usize]| !dims.is_empty();
+        matches!(&self.instances[id].kind, InstanceKind::Variable { dims, .. } if is_array(dims))
+            && layer.part_of_holder().is_some()
     }
 
     /// The attributes that an instance of predefined type is given, some of them more than once.

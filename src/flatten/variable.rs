@@ -6,6 +6,7 @@ use super::cause::FlattenCause;
 use crate::base::diag::Diagnostic;
 use crate::base::name::{Name, name};
 use crate::base::source::Span;
+use crate::classes::attribute::is_within;
 use crate::classes::cause::Varying;
 use crate::classes::subscript_text;
 use crate::evaluate::Evaluator;
@@ -209,6 +210,20 @@ fn attributes(
             flat.variables[VarId(first.0 + k as u32)].fixed = fixed;
         }
     }
+    // Overrides of elements come after what is said of all.
+    for (text, slot) in numeric.into_iter().filter(|(text, _)| given.contains(text)) {
+        for (v, e, span) in of_elements(cx, id, first, dims, text) {
+            *slot(&mut flat.variables[v]) = converted(cx, e, ty, span, &text);
+        }
+    }
+    if given.contains(&names.fixed) {
+        for (v, e, span) in of_elements(cx, id, first, dims, names.fixed) {
+            let e = converted(cx, e, Type::Boolean, span, &names.fixed);
+            if let Some(Const::Boolean(b)) = e.and_then(|e| cx.graph.as_const(e)) {
+                flat.variables[v].fixed = Some(b);
+            }
+        }
+    }
     let strings: [(Name, AttributeField<Name>); 2] =
         [(names.unit, |v| &mut v.unit), (names.display_unit, |v| &mut v.display_unit)];
     for (text, slot) in strings {
@@ -233,6 +248,34 @@ fn attributes(
             }
         }
     }
+}
+
+/// The values of an attribute that overrides give to elements of an array, as `x[2].start=5` does.
+fn of_elements(
+    cx: &mut Evaluator<'_>,
+    id: InstanceId,
+    first: VarId,
+    dims: &Rc<[usize]>,
+    attribute: Name,
+) -> Vec<(VarId, ExprId, Span)> {
+    let mut found = Vec::new();
+    for (subscripts, binding) in cx.attributes_of_elements(id, attribute) {
+        if !is_within(&subscripts, dims) {
+            continue;
+        }
+        let span = binding.value.span;
+        let inner: Rc<[usize]> = dims[subscripts.len()..].into();
+        let size: usize = inner.iter().product();
+        let at = subscripts.iter().zip(dims.iter()).fold(0, |at, (k, n)| at * n + k - 1);
+        let Some(value) = cx.fold(&binding.value, binding.scope) else { continue };
+        let none = cx.no_sizes.clone();
+        let Some(value) = cx.spread(value, &inner, &none, span) else { continue };
+        for (k, e) in value.elements().iter().enumerate() {
+            let Some(e) = e.scalar() else { continue };
+            found.push((VarId(first.0 + (at * size + k) as u32), e, span));
+        }
+    }
+    found
 }
 
 fn binding(

@@ -484,8 +484,12 @@ fn check_attribute_names(cx: &mut Evaluator<'_>, id: InstanceId, sizes: &[usize]
             let is_there = layer
                 .part()
                 .is_none_or(|part| is_within(part, sizes) || *cx.instances[id].subscripts == *part);
+            let holder = depth.checked_sub(1).and_then(|d| s.parts.get(d)).map(|(_, list)| list);
+            let has_holder = holder.is_none_or(|list| {
+                is_within(list, sizes) || *cx.instances[id].subscripts == **list
+            });
             if (s.parts.len() == *depth && is_there)
-                || (s.parts.len() == depth + 1 && is_attribute(s.parts[*depth].0))
+                || (s.parts.len() == depth + 1 && is_attribute(s.parts[*depth].0) && has_holder)
             {
                 s.used.set(true);
             }

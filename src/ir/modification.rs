@@ -152,6 +152,13 @@ impl Layer {
         Some(subscripts.as_slice()).filter(|list| ends && !list.is_empty())
     }
 
+    /// The subscripts of the component whose attribute an override sets, as of `a[2].start=5`; `None` for other layers.
+    pub fn part_of_holder(&self) -> Option<&[usize]> {
+        let LayerSource::ParameterOverride(s, depth) = &self.source else { return None };
+        let (_, subscripts) = s.parts.get(depth.checked_sub(2)?)?;
+        Some(subscripts.as_slice()).filter(|list| s.parts.len() == *depth && !list.is_empty())
+    }
+
     /// The modification whose arguments this layer holds for the component, if any.
     pub fn inner(&self) -> Option<&Arc<Modification>> {
         match &self.source {

@@ -155,3 +155,27 @@ package Records
   end Top;
 end Records;
 //@ expect a.inner_one.y, b.inner_one.y, c.y = 4.5 + 3 + 18, 6 + 3 + 24, 7 + 2 + 1
+
+//@ case attributes_of_elements_are_set_from_outside
+//@ run stop=1 set=x[2].start=5 set=z[2,1].fixed=false set=z[1].start=7
+model Elements
+  Real x[3](each start = 1, each fixed = true);
+  Real z[2, 2](each start = 2, each fixed = true);
+equation
+  der(x) = zeros(3);
+  der(z) = zeros(2, 2);
+initial equation
+  z[2, 1] = 9;
+end Elements;
+//@ expect x[1], x[2], x[3] = 1, 5, 1
+//@ expect z[1,1], z[1,2], z[2,1], z[2,2] = 7, 7, 9, 2
+
+//@ case an_attribute_of_an_element_that_does_not_exist
+//@ run stop=1 set=x[4].start=5
+model Beyond
+  Real x[3](each start = 1, each fixed = true);
+equation
+  der(x) = zeros(3);
+end Beyond;
+//@ error[MO0241] nowhere
+//@ status 2
