@@ -89,7 +89,7 @@ pub fn described(program: &Program, sources: &SourceMap, plan: &Plan, data: &Dat
         w.text(&free.name);
         w.count(free.targets.len());
         free.targets.iter().for_each(|t| w.text(t));
-        for x in [free.start, free.min, free.max] {
+        for x in [free.start, free.min, free.max, free.around] {
             w.optional(x, Writer::number);
         }
         w.optional(free.acts_on.as_ref(), |w, (signal, variable)| {
@@ -247,6 +247,7 @@ impl Worker {
                 start: r.optional(Reader::number)?,
                 min: r.optional(Reader::number)?,
                 max: r.optional(Reader::number)?,
+                around: r.optional(Reader::number)?,
                 acts_on: r.optional(|r| Some((r.count()?, r.text()?)))?,
                 only: r.optional(Reader::text)?,
                 span: Span::NONE,

@@ -11,8 +11,6 @@ use super::cause::PlanCause;
 use super::data::{Recording, Split};
 use super::plan::Free;
 
-/// Factor around its start within which a positive parameter without bounds is searched.
-const DEFAULT_RANGE: f64 = 50.0;
 /// The coordinate of a parameter in the search.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Scale {
@@ -170,12 +168,16 @@ pub fn parameter(
     };
     let start = free.start.unwrap_or(declared);
     let positive = start > 0.0 && free.min.is_none_or(|m| m >= 0.0);
-    let (scale, wide) = if positive {
-        (Scale::Positive { size: start }, (start / DEFAULT_RANGE, start * DEFAULT_RANGE))
+    let scale = if positive {
+        Scale::Positive { size: start }
     } else {
         let span = free.max.zip(free.min).map_or(1.0, |(a, b)| 0.25 * (a - b));
         let size = if start == 0.0 { span } else { start.abs() };
-        (Scale::Linear { size }, (f64::NEG_INFINITY, f64::INFINITY))
+        Scale::Linear { size }
+    };
+    let wide = match free.around.filter(|_| positive) {
+        Some(factor) => (start / factor, start * factor),
+        None => (f64::NEG_INFINITY, f64::INFINITY),
     };
     let bounds = (free.min.unwrap_or(wide.0), free.max.unwrap_or(wide.1));
     let unit = program.blocks.dae.variables[v].unit.to_string();

@@ -223,6 +223,8 @@ pub struct Free {
     pub min: Option<f64>,
     /// Its greatest value.
     pub max: Option<f64>,
+    /// The factor around a positive start within which it is searched where it has no bounds.
+    pub around: Option<f64>,
     /// If it acts on one signal only: its position, and the variable through which it acts.
     pub acts_on: Option<(usize, String)>,
     /// The only recording that takes its value, if it is not the same for all.

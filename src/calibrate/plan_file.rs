@@ -245,8 +245,8 @@ fn free(r: &mut Reader<'_>, entries: Vec<(String, Section<'_>)>) -> Vec<Free> {
         if !is_room || start.is_some_and(|s| !(low..=high).contains(&s)) {
             report(r, PlanCause::ContradictoryBounds { name: name.clone() }, own.place());
         }
-        let (acts_on, only, span) = (None, None, own.place());
-        out.push(Free { name, targets, start, min, max, acts_on, only, span });
+        let (around, acts_on, only, span) = (None, None, None, own.place());
+        out.push(Free { name, targets, start, min, max, around, acts_on, only, span });
     }
     out
 }

@@ -45,17 +45,25 @@ impl Statistics {
         let at_bound = at_bound(normal, parameters, x);
         let free: Vec<usize> = (0..n).filter(|i| !at_bound[*i]).collect();
         let all: Vec<usize> = (0..n).collect();
-        let covariance = covariance(normal, &free);
+        // What is determined is decided in parts of the values: one that began at zero may have grown far beyond its size.
+        let units: Vec<f64> = parameters.iter().zip(x).map(|(p, x)| unit(p, *x)).collect();
+        let scaled = &in_units(normal, &units);
+        let unscaled = |mut covariance: Vec<f64>| {
+            covariance.iter_mut().enumerate().for_each(|(k, c)| *c *= units[k % n] * units[k / n]);
+            covariance
+        };
+        let covariance = unscaled(covariance(scaled, &free));
         // A parameter at its bound has no variance beside the others; its error is that of the whole system.
-        let whole = self::covariance(normal, &all);
+        let whole = unscaled(self::covariance(scaled, &all));
         let spreads: Vec<f64> = (0..n)
             .map(|i| if at_bound[i] { whole[i + n * i] } else { covariance[i + n * i] })
             .map(f64::sqrt)
             .collect();
         let values = parameters.iter().zip(x).map(|(p, x)| p.scale.slope(p.scale.value(*x)));
         let errors = values.zip(&spreads).map(|(slope, s)| slope.abs() * s).collect();
-        let undetermined = spreads.iter().map(|s| s * s > 1.0 / DETERMINED).collect();
-        let directions = directions(normal, &free)
+        let wide = |(s, unit): (&f64, &f64)| (s / unit).powi(2) > 1.0 / DETERMINED;
+        let undetermined = spreads.iter().zip(&units).map(wide).collect();
+        let directions = directions(scaled, &free)
             .into_iter()
             .filter(|(value, _)| *value < DETERMINED)
             .map(|(_, v)| in_words(parameters, x, &v))
@@ -102,6 +110,24 @@ pub fn at_bound(normal: &NormalEquations, parameters: &[Parameter], x: &[f64]) -
         (x[i] <= low && downhill <= 0.0) || (x[i] >= high && downhill >= 0.0)
     };
     parameters.iter().enumerate().map(held).collect()
+}
+
+/// The change of a parameter in the search that counts as large at `x`: on a linear scale the value itself, if that is
+/// larger than the size of the scale.
+fn unit(parameter: &Parameter, x: f64) -> f64 {
+    match parameter.scale {
+        Scale::Positive { .. } => 1.0,
+        Scale::Linear { .. } => x.abs().max(1.0),
+    }
+}
+
+/// The normal equations of parameters that are counted in these units.
+fn in_units(normal: &NormalEquations, units: &[f64]) -> NormalEquations {
+    let mut scaled = normal.clone();
+    let n = normal.n;
+    scaled.gram.iter_mut().enumerate().for_each(|(k, g)| *g *= units[k % n] * units[k / n]);
+    scaled.gradient.iter_mut().zip(units).for_each(|(g, unit)| *g *= unit);
+    scaled
 }
 
 /// Eigenvalues and vectors of the normal equations of some parameters, padded to all.

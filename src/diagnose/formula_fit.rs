@@ -12,7 +12,7 @@ use crate::numeric::least_squares::NormalEquations;
 use crate::numeric::linear::DenseLu;
 
 use super::formula::{Form, FreeCurve, middle_name, scale_name};
-use super::hypothesis::{ChosenEffect, Hypothesis, component_name};
+use super::hypothesis::{ChosenEffect, Hypothesis, RANGE, component_name};
 use super::result::Diagnosis;
 use super::revise::accept_instead;
 use super::search::Search;
@@ -340,6 +340,7 @@ impl Candidate {
                 start: Some(start),
                 min: range.map(|r| r.0),
                 max: range.map(|r| r.1),
+                around: Some(RANGE),
                 acts_on: None,
                 only: None,
                 span: Span::NONE,

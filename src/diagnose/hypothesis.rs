@@ -17,6 +17,9 @@ use super::policy::SearchPolicy;
 use super::rank::Scored;
 use super::study::{DiagnosisError, Study};
 
+/// Factor around its start within which a positive parameter of an effect is searched.
+pub const RANGE: f64 = 50.0;
+
 /// An effect of a hypothesis.
 #[derive(Clone, Debug)]
 pub struct ChosenEffect {
@@ -244,6 +247,7 @@ pub fn amplitude(full: &str, start: f64, min: Option<f64>, place: &Place, compon
         start: Some(start),
         min,
         max: None,
+        around: Some(RANGE),
         acts_on: place.signal.map(|k| (k, format!("{component}.y"))),
         only: None,
         span: Span::NONE,

@@ -74,6 +74,7 @@ fn with_starts(study: &Study, before: &Hypothesis, states: &[String]) -> Plan {
             start: None,
             min: None,
             max: None,
+            around: None,
             acts_on: None,
             only: None,
             span: Span::NONE,

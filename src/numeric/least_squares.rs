@@ -136,6 +136,13 @@ const CREEPING: f64 = 1e-2;
 /// Number of successive creeping steps after which the search stops.
 const MAX_CREEPING_STEPS: u32 = 3;
 
+/// Relative difference of the decrease of the cost from the predicted one up to which the residuals count as linear.
+const LINEAR: f64 = 0.1;
+/// Factor by which the largest step then grows.
+const LONGER: f64 = 4.0;
+/// Range of a parameter above which its coordinate says nothing of its size.
+const WIDE: f64 = 1e3;
+
 /// Searches for a minimum from `x`, each parameter within its bounds. `None` if the residuals
 /// cannot be computed at the start.
 pub fn minimize(
@@ -147,6 +154,8 @@ pub fn minimize(
     let n = x.len();
     let mut x: Vec<f64> = x.iter().zip(bounds).map(|(x, b)| x.max(b.0).min(b.1)).collect();
     let mut normal = residuals.normal(&x).filter(NormalEquations::is_finite)?;
+    let units = units(&normal, &x, bounds);
+    let mut reach = stopping.reach;
     let mut damping = 1e-3;
     let mut growth = 2.0;
     let mut iterations = 0;
@@ -159,32 +168,39 @@ pub fn minimize(
         let mut accepted = None;
         let (mut jumps, mut length) = (0, 0.0);
         while accepted.is_none() {
-            let Some(mut moved) = step(&normal, &free, damping, &x, bounds) else {
+            let Some(mut moved) = step(&normal, &free, damping, &x, bounds, &units) else {
                 damping = damping.max(1e-12) * 10.0;
                 if damping > MAX_DAMPING {
                     break;
                 }
                 continue;
             };
-            let longest = moved.iter().fold(0.0f64, |m, s| m.max(s.abs()));
-            if longest > stopping.reach {
-                moved.iter_mut().for_each(|s| *s *= stopping.reach / longest);
-            }
-            let trial: Vec<f64> = x.iter().zip(&moved).map(|(x, m)| x + m).collect();
-            let predicted = predicted(&normal, &moved);
-            let small = moved.iter().all(|m| m.abs() <= stopping.step);
-            if small || predicted <= stopping.decrease * normal.cost {
+            let longest =
+                moved.iter().zip(&units).fold(0.0f64, |m, (s, unit)| m.max(s.abs() / unit));
+            let is_small = longest <= stopping.step;
+            if is_small || predicted(&normal, &moved) <= stopping.decrease * normal.cost {
                 converged = true;
                 break;
             }
+            let is_cut = longest > reach;
+            if is_cut {
+                moved.iter_mut().for_each(|s| *s *= reach / longest);
+            }
+            let trial: Vec<f64> = x.iter().zip(&moved).map(|(x, m)| x + m).collect();
+            let predicted = predicted(&normal, &moved);
             let cost = residuals.cost(&trial).filter(|c| c.is_finite());
             let ratio = cost.map_or(-1.0, |c| (normal.cost - c) / predicted);
             if ratio > 1e-4 {
                 damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).max(1.0 / 3.0);
                 growth = 2.0;
-                length = longest.min(stopping.reach);
+                length = longest.min(reach);
+                // Where the residuals turn out to be as linear as predicted, the next step may be longer.
+                if is_cut && (ratio - 1.0).abs() < LINEAR {
+                    reach *= LONGER;
+                }
                 accepted = Some(trial);
             } else {
+                reach = stopping.reach.max(reach / LONGER);
                 if ratio < -JUMP && cost.is_some() {
                     jumps += 1;
                     beyond = Some(trial);
@@ -211,6 +227,24 @@ pub fn minimize(
     Some(Minimum { x, normal, iterations, converged, beyond })
 }
 
+/// The change of each parameter that counts as large. It is 1 for parameters whose coordinates are scaled. One that starts
+/// at zero without bounds, or anywhere between bounds far apart, has no size of its own: there it is the change that would
+/// alone make up for all residuals.
+fn units(normal: &NormalEquations, x: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
+    let unit = |i: usize| {
+        let range = bounds[i].1 - bounds[i].0;
+        let gram = normal.gram[i + normal.n * i];
+        let size = (normal.cost / gram).sqrt();
+        match range.is_finite() {
+            _ if !size.is_finite() || size == 0.0 => 1.0,
+            true if range > WIDE => size.min(0.25 * range).max(1.0),
+            false if x[i] == 0.0 => size,
+            _ => 1.0,
+        }
+    };
+    (0..x.len()).map(unit).collect()
+}
+
 /// Parameters that the gradient does not push beyond a bound.
 fn free(x: &[f64], gradient: &[f64], bounds: &[(f64, f64)]) -> Vec<usize> {
     let held = |i: &usize| {
@@ -228,9 +262,11 @@ fn step(
     damping: f64,
     x: &[f64],
     bounds: &[(f64, f64)],
+    units: &[f64],
 ) -> Option<Vec<f64>> {
     let n = normal.n;
-    let largest = (0..n).map(|i| normal.gram[i * n + i]).fold(0.0, f64::max);
+    let scaled = |i: usize| normal.gram[i * n + i] * units[i] * units[i];
+    let largest = (0..n).map(scaled).fold(0.0, f64::max);
     let mut step = vec![0.0; n];
     let mut free = free.to_vec();
     while !free.is_empty() {
@@ -242,7 +278,8 @@ fn step(
                 matrix[a + m * b] = normal.gram[i + n * j];
             }
             // Parameters that the data do not determine must not diverge.
-            matrix[a + m * a] += damping * normal.gram[i + n * i].max(1e-12 * largest);
+            matrix[a + m * a] +=
+                damping * normal.gram[i + n * i].max(1e-12 * largest / (units[i] * units[i]));
             let from_fixed: f64 = (0..n)
                 .filter(|j| !free.contains(j))
                 .map(|j| normal.gram[i + n * j] * step[j])
@@ -322,6 +359,43 @@ mod tests {
         let found = minimize(&mut Rosenbrock, &[-1.2, 1.0], &free, &STOPPING).unwrap();
         assert!(found.converged);
         assert!((found.x[0] - 1.0).abs() < 1e-8 && (found.x[1] - 1.0).abs() < 1e-8, "{found:?}");
+    }
+
+    /// A straight line `a + b t` through exact data, from zero, in units that differ by up to 16 powers of ten.
+    struct Line(f64, f64);
+
+    impl Residuals for Line {
+        fn normal(&mut self, x: &[f64]) -> Option<NormalEquations> {
+            let mut normal = NormalEquations::new(2);
+            for i in 0..11 {
+                let t = 0.1 * i as f64;
+                normal.add(x[0] + x[1] * t - self.0 - self.1 * t, &[1.0, t]);
+            }
+            Some(normal)
+        }
+        fn cost(&mut self, x: &[f64]) -> Option<f64> {
+            self.normal(x).map(|n| n.cost)
+        }
+    }
+
+    #[test]
+    fn a_line_is_found_whatever_its_unit() {
+        let stopping = Stopping { decrease: 1e-7, step: 1e-7, iterations: 60, reach: 1.0 };
+        let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
+        let wide = [(-1e10, 1e10); 2];
+        for (a, b) in [(1e-8, -3e-8), (1e8, -3e8), (2.0, 5e5), (1e-6, 1e3)] {
+            for (start, bounds) in [(0.0, free), (1.0, free), (0.0, wide), (1.0, wide)] {
+                let found = minimize(&mut Line(a, b), &[start; 2], &bounds, &stopping).unwrap();
+                // A start of 1 says that 1e-7 is little.
+                let least = if start == 1.0 { 1e-6 } else { 0.0 };
+                let near =
+                    |x: f64, y: f64| (x - y).abs() < (1e-2 * a.abs().max(b.abs())).max(least);
+                assert!(
+                    found.converged && near(found.x[0], a) && near(found.x[1], b),
+                    "{a} {b} from {start}: {found:?}"
+                );
+            }
+        }
     }
 
     /// With `x0 <= 0.5` the least value lies at `(0.5, 0.25)`.

@@ -91,6 +91,7 @@ impl Range {
             start: self.start.as_ref().map(|v| v.quantity.value),
             min: Some(self.min.quantity.value),
             max: Some(self.max.quantity.value),
+            around: None,
             acts_on: None,
             only: None,
             span: self.span,
