@@ -12,6 +12,7 @@ use super::data::{self, Split};
 use super::memory::Memory;
 use super::plan::Plan;
 use super::problem::{Problem, record_signals};
+use super::recording_number::number_where_declared;
 use super::result::{
     Channel, Comparison, OwnValues, Quality, channels, comparison_json, comparisons, own_json,
     own_values, qualities_json,
@@ -54,7 +55,7 @@ pub struct Evaluation {
 /// Compares the model with every recording. Its parameters keep the values of its file.
 pub fn run(request: &Request, session: &mut Session) -> Result<Evaluation, CalibrationError> {
     let mut plan = read_plan(&request.plan, request.data.as_deref(), &request.memory, session)?;
-    let data = data::read(&plan, &mut session.problems).ok_or(CompileError::Request)?;
+    let mut data = data::read(&plan, &mut session.problems).ok_or(CompileError::Request)?;
     plan.free.clear();
     if let Some(model) = &request.model {
         plan.name = None;
@@ -66,6 +67,7 @@ pub fn run(request: &Request, session: &mut Session) -> Result<Evaluation, Calib
     if let Some(entry) = measured.entry(MEASURED) {
         read_sensors(&entry.text, &mut plan);
     }
+    number_where_declared(&program, &mut plan, &mut data);
     record_signals(&mut program, &plan);
     let problem = Problem::new(&program, &session.sources, &plan, &data, &mut session.problems);
     let problem = problem.ok_or(CompileError::Request)?;

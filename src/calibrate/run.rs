@@ -23,6 +23,7 @@ use super::plan::Plan;
 use super::policy::FitPolicy;
 use super::problem::{Problem, record_signals};
 use super::profile::{self, Interval, Profiles};
+use super::recording_number::number_where_declared;
 use super::result::Calibration;
 use super::statistics::{Statistics, reduced};
 use super::{calibrated_model, plan_file, result};
@@ -116,8 +117,9 @@ pub fn run(
 /// Reads and compiles everything that a request names.
 pub fn prepare(request: &Request, session: &mut Session) -> Result<Prepared, CalibrationError> {
     let folder = request.data.as_deref();
-    let (plan, data) = inputs(&request.plan, folder, &request.memory, session)?;
+    let (mut plan, mut data) = inputs(&request.plan, folder, &request.memory, session)?;
     let mut program = session.compile(&plan.request(request.modelica_path.clone()))?;
+    number_where_declared(&program, &mut plan, &mut data);
     record_signals(&mut program, &plan);
     let original = original(&plan)?;
     Ok(Prepared { plan, data, program, original })

@@ -11,6 +11,7 @@ use crate::report::page::frame::Page;
 use crate::report::scale::pretty;
 
 use super::balance::{Balance, Profile};
+use super::grade::{Grade, grade};
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::next_experiment::Prediction;
 use super::next_text::{label, lines};
@@ -30,18 +31,26 @@ pub fn html(outcome: &Outcome) -> String {
     let Outcome { study, diagnosis, .. } = outcome;
     let after = &diagnosis.after;
     let mut page = Page::new(&format!("{}: diagnosis", study.base));
+    let is_in_doubt =
+        outcome.verdict() == Verdict::EffectFound && !diagnosis.leaves_noise(&study.policy);
     page.add(&format!(
-        "<h1>{}</h1>\n<p class=\"verdict {verdict}\">{verdict}</p>\n",
+        "<h1>{}</h1>\n<p class=\"verdict {verdict}{doubt}\">{verdict}</p>\n",
         escaped(&study.base),
-        verdict = outcome.verdict().name()
+        verdict = outcome.verdict().name(),
+        doubt = if is_in_doubt { " partial" } else { "" },
     ));
     if !outcome.complete {
         page.add(&format!("<p class=\"note\">{}</p>\n", sentence_case(ENDED_EARLY)));
     }
     page.add(&format!("<p>{}</p>\n", escaped(&conclusion(outcome))));
-    for sentence in sentences(&study.effects, &after.effects) {
+    let named = sentences(&study.effects, &after.effects);
+    for (sentence, group) in named.into_iter().zip(groups(&after.effects)) {
         let text = format!("{}{sentence}", sentence_case(partial(outcome)));
         page.add(&format!("<p>{}</p>\n", escaped(&text)));
+        if let Some(grade) = grade(outcome, group).filter(|g| *g != Grade::Established) {
+            let meaning = escaped(&sentence_case(grade.meaning()));
+            page.add(&format!("<p class=\"note\">{meaning}.</p>\n"));
+        }
     }
     if study.plan.fmu.is_some() {
         page.add(&format!("<p class=\"note\">{}.</p>\n", escaped(&sentence_case(INSIDE))));
@@ -120,12 +129,23 @@ fn conclusion(outcome: &Outcome) -> String {
         after.chi2_validation()
     );
     let count = groups(&after.effects).count();
+    let leaves_noise = diagnosis.leaves_noise(&study.policy);
     match (outcome.verdict(), count) {
         (Verdict::Complete, _) => {
             "The model explains the recordings: nothing is missing.".to_owned()
         }
-        (Verdict::EffectFound, 1) => format!("The model lacks one effect. With it, {falls}."),
-        (Verdict::EffectFound, n) => format!("The model lacks {n} effects. With them, {falls}."),
+        (Verdict::EffectFound, 1) if leaves_noise => {
+            format!("The model lacks one effect. With it, {falls}.")
+        }
+        (Verdict::EffectFound, n) if leaves_noise => {
+            format!("The model lacks {n} effects. With them, {falls}.")
+        }
+        (Verdict::EffectFound, n) => {
+            let them = if n == 1 { "one effect" } else { "effects" };
+            format!(
+                "The model lacks something. With {them} {falls}, but the residuals still show structure."
+            )
+        }
         (Verdict::Unexplained, 0) => {
             "The model does not explain the recordings, and no effect that was tried does."
                 .to_owned()
