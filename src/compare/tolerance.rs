@@ -2,8 +2,8 @@
 
 /// The least part of a variable's magnitude that counts as its extent: below it, values are rounding errors.
 const LEAST_EXTENT: f64 = 1e-3;
-/// Half the width of the tube around a variable that is 0 throughout, SI.
-const LEAST_WIDTH: f64 = 1e-12;
+/// The absolute tolerance where nothing else is given: what is smaller in SI units is mostly rounding.
+pub const ABSOLUTE: f64 = 1e-12;
 /// Time by which events may move, as a part of the simulated time, where nothing else is given.
 const TIME: f64 = 1e-4;
 
@@ -20,14 +20,14 @@ pub struct Tolerance {
 
 impl Default for Tolerance {
     fn default() -> Self {
-        Tolerance { relative: 1e-3, absolute: 0.0, time: None }
+        Tolerance { relative: 1e-3, absolute: ABSOLUTE, time: None }
     }
 }
 
 impl Tolerance {
     /// Half the width of the tube around the values of a reference.
     pub fn width(&self, reference: &[f64]) -> f64 {
-        (self.absolute + self.relative * extent(reference)).max(LEAST_WIDTH)
+        self.absolute + self.relative * extent(reference)
     }
 
     /// Time by which changes may come earlier or later in a run with these times, s.

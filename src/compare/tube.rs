@@ -161,7 +161,7 @@ mod tests {
         let (_, off) = sine(500, 1.01);
         let d = deviation(curve(&time, &off), curve(&time, &values), &t).expect("1 % too much");
         assert!((d.found / d.expected - 1.01).abs() < 1e-4, "{d:?}");
-        assert_eq!(d.allowed, 1e-3 * (extent(&values)));
+        assert_eq!(d.allowed, 1e-12 + 1e-3 * (extent(&values)));
         let (_, same) = sine(500, 1.0 + 1e-9);
         assert_eq!(deviation(curve(&time, &same), curve(&time, &values), &t), None);
     }

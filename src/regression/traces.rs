@@ -90,6 +90,19 @@ pub fn compare(
     names: &[(String, String)],
 ) -> Differences {
     let mut found = Differences::default();
+    for (what, rows) in [("run", &run.time), ("reference", &reference.time)] {
+        if rows.is_empty() {
+            found.messages.push(format!("the {what} has no rows"));
+        }
+    }
+    if let (Some(begin), Some(of_reference)) = (run.time.first(), reference.time.first()) {
+        let shift = columns.iter().map(|(_, t)| t.shift(&reference.time)).fold(0.0, f64::max);
+        if (begin - of_reference).abs() > shift.max(1e-9 * of_reference.abs()) {
+            found
+                .messages
+                .push(format!("the run begins at {begin} s, the reference at {of_reference} s"));
+        }
+    }
     if let (Some(end), Some(of_reference)) = (run.time.last(), reference.time.last()) {
         let shift = columns.iter().map(|(_, t)| t.shift(&reference.time)).fold(0.0, f64::max);
         if (end - of_reference).abs() > shift.max(1e-9 * of_reference.abs()) {

@@ -195,6 +195,22 @@ fn results_of_other_programs_are_references() {
     let json = compare(&["off.csv", "ref.csv", "--show", "y", "--json"]);
     let json: serde_json::Value = serde_json::from_str(&json.out).expect("JSON");
     assert_eq!((&json["agree"], &json["differ"][0]["variable"]), (&false.into(), &"y".into()));
+    folder.file("empty.csv", "time,y\n");
+    folder.file("late.csv", "time,y\n0.9,0.5\n1,0.5\n");
+    folder.file("whole.csv", "time,y\n0,0.5\n0.9,0.5\n1,0.5\n");
+    for (pair, why) in [
+        (["empty.csv", "whole.csv"], "the run has no rows"),
+        (["whole.csv", "empty.csv"], "the reference has no rows"),
+        (["late.csv", "whole.csv"], "the run begins at 0.9 s, the reference at 0 s"),
+    ] {
+        let ended = compare(&pair);
+        assert!(ended.status == 1 && ended.out.contains(why), "{pair:?}: {}", ended.out);
+    }
+    folder.file("pico.csv", "time,y\n0,1e-13\n1,3e-13\n");
+    folder.file("larger.csv", "time,y\n0,1e-13\n1,4e-13\n");
+    // What is smaller than 1e-12 counts as rounding unless the tolerance says otherwise.
+    assert_eq!(compare(&["larger.csv", "pico.csv"]).status, 0);
+    assert_eq!(compare(&["larger.csv", "pico.csv", "--absolute", "0"]).status, 1);
     for (wrong, why) in [
         (&["none.csv", "ref.csv"][..], "cannot read none.csv"),
         (&["ref.txt", "ref.csv"], "results can be read from .csv, .parquet or .mat"),

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::values::{ends, picture, tolerance, unit_of};
+use crate::compare::tolerance::ABSOLUTE;
 
 /// Two results.
 #[derive(Args, Debug)]
@@ -25,7 +26,7 @@ pub struct Compare {
     #[arg(long, allow_negative_numbers = true, value_name = "R", default_value_t = 1e-3, value_parser = tolerance)]
     pub relative: f64,
     /// Tolerance that is added to it, in the unit of the variables.
-    #[arg(long, allow_negative_numbers = true, value_name = "A", default_value_t = 0.0, value_parser = tolerance)]
+    #[arg(long, allow_negative_numbers = true, value_name = "A", default_value_t = ABSOLUTE, value_parser = tolerance)]
     pub absolute: f64,
     /// Time by which changes may come earlier or later, s [default: a 10000th of the reference's].
     #[arg(long, allow_negative_numbers = true, value_name = "T", value_parser = tolerance)]
