@@ -19,7 +19,8 @@ causes! {
         /// A value is relative to the ambient pressure, which only the model knows.
         error MO1419 Gauge { setting: String, gauge: String, absolute: String }
             => ("`{setting}` is relative to the ambient pressure, which the model decides"),
-            help("give the absolute pressure: at an ambient pressure of 1.01325 bar, {gauge} gauge are `{absolute}`");
+            help("write `{gauge}` if the parameter is a difference to the ambient pressure; if it is absolute, `{absolute}` \
+                  at an ambient pressure of 1.01325 bar");
         /// The unit of a value cannot be converted to that of its parameter.
         error MO1411 WrongUnit { name: String, declared: String, unit: String }
             => ("cannot convert `{unit}` to `{declared}`, the unit of `{name}`"),
