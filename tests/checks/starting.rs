@@ -419,6 +419,47 @@ fn every_output_can_be_the_standard_output() {
     fs::write(path.join("tank.fmu"), &archive.stdout).expect("an FMU");
     let block = done(path, &["import", "tank.fmu", "--output", "-", "--quiet"]).out;
     assert!(block.contains("block tank") && !path.join("-").exists(), "{block}");
+    // The model from which the FMU was exported is not replaced by the block, which has the same name.
+    let before = fs::read_to_string(path.join("tank.mo")).expect("the model");
+    assert!(refused(path, &["import", "tank.fmu"]).contains("`tank.mo` exists"));
+    assert_eq!(fs::read_to_string(path.join("tank.mo")).ok(), Some(before));
+    done(path, &["import", "tank.fmu", "--name", "Block"]);
+    done(path, &["import", "tank.fmu", "--name", "Block"]);
+}
+
+#[test]
+fn a_differentiated_input_has_no_state_space_form() {
+    let folder = Scratch::new();
+    folder.file(
+        "d.mo",
+        "model D\n  input Real u(start = 0);\n  output Real i;\nequation\n  i = 2*der(u);\nend D;\n",
+    );
+    let ended = mocc(folder.path(), &["linearize", "d.mo"]);
+    assert!(ended.status == 3 && ended.err.contains("differentiates an input"), "{}", ended.err);
+}
+
+#[test]
+fn recordings_are_numbered_for_a_model_that_wears() {
+    let folder = Scratch::new();
+    folder.file(
+        "w.mo",
+        "model W\n  parameter Real recording_number = 1;\n  output Real y = 10*recording_number + time;\nend W;\n",
+    );
+    folder.file(
+        "plan.toml",
+        "model = \"w.mo\"\n[data]\nfolder = \".\"\ntable = \"table.csv\"\nfile = \"file\"\nsplit = \"split\"\n\
+         [time]\ncolumn = \"t\"\nunit = \"s\"\n[signals]\ny = { variable = \"y\", unit = \"1\", sigma = 0.1 }\n",
+    );
+    folder.file("table.csv", "file,split\na.csv,train\nb.csv,train\nc.csv,test\n");
+    for (k, file) in ["a.csv", "b.csv", "c.csv"].into_iter().enumerate() {
+        let y = 10 * (k + 1);
+        folder.file(file, &format!("t,y\n0,{y}\n1,{}\n2,{}\n", y + 1, y + 2));
+    }
+    let ended = done(folder.path(), &["evaluate", "plan.toml", "--json"]);
+    let found: serde_json::Value = serde_json::from_str(&ended.out).expect("JSON");
+    let recordings = found["recordings"].as_array().expect("a list");
+    let chi2: Vec<_> = recordings.iter().map(|r| r["reduced_chi_square"].as_f64()).collect();
+    assert_eq!(chi2, [Some(0.0); 3], "{found:#}");
 }
 
 #[test]
