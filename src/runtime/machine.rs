@@ -76,6 +76,12 @@ pub enum Fault {
         /// Position of the state.
         state: usize,
     },
+    /// The distance to the border of a relation changes at the same rate on both sides, so that the motion along it is not
+    /// determined.
+    Sliding {
+        /// The relation.
+        relation: u32,
+    },
 }
 
 /// One run of a program. Allocates nothing after `new`, except frames of recursive functions.
