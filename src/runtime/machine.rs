@@ -94,6 +94,8 @@ pub struct Machine<'p> {
     pub fault_memory: Vec<f64>,
     /// The last fault.
     pub fault: Option<Fault>,
+    /// The last torn block that was not solved. Cleared by the reader.
+    pub failed_block: Option<usize>,
     /// How often a function did not return.
     pub endless_calls: u32,
     /// Instructions that functions have executed since the last tape.
@@ -161,6 +163,7 @@ impl<'p> Machine<'p> {
             memory: program.image.clone(),
             fault_memory: program.image.clone(),
             fault: None,
+            failed_block: None,
             endless_calls: 0,
             executed_in_functions: 0,
             branch_switch: true,
@@ -389,6 +392,7 @@ impl<'p> Machine<'p> {
         let outcome = work.solve(self, k).map_err(|fault| self.fail(fault));
         if outcome.is_err() {
             work.restore(&self.program.routines.torn_blocks[k], &mut self.memory);
+            self.failed_block = Some(k);
         }
         self.torn_solvers[k] = Some(work);
         outcome

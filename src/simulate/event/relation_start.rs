@@ -27,6 +27,31 @@ pub fn evaluate(machine: &mut Machine<'_>) -> bool {
     values.iter().any(|(_, value)| *value != 0.0)
 }
 
+/// Evaluates them again after a pass that failed, which computed some operands; whether one has another value.
+pub fn evaluate_again(machine: &mut Machine<'_>) -> bool {
+    let before = values(machine);
+    if let Some(k) = machine.failed_block.take() {
+        // Its explicit variables are those of a trial point.
+        let program = machine.program;
+        let (tangents, saved) = (machine.tangents.take(), machine.save_fault());
+        let is_evaluated = machine.run(&program.routines.torn_blocks[k].residual_tape).is_ok();
+        let evaluated = is_evaluated.then(|| machine.memory.clone());
+        machine.restore_fault(saved);
+        machine.tangents = tangents;
+        if let Some(evaluated) = evaluated {
+            machine.restore_from(&evaluated);
+        }
+    }
+    evaluate(machine);
+    before != values(machine)
+}
+
+fn values(machine: &Machine<'_>) -> Vec<f64> {
+    let first = machine.program.layout.relations;
+    let starts = machine.program.events.relation_starts.iter();
+    starts.map(|start| machine.get(first + start.relation)).collect()
+}
+
 /// Makes all of them false.
 pub fn clear(machine: &mut Machine<'_>) {
     let first = machine.program.layout.relations;
