@@ -19,6 +19,7 @@ pub mod nominal;
 pub mod print;
 pub mod recording;
 pub mod relation;
+mod relation_start;
 pub mod rows;
 pub mod sequence;
 pub mod sink;
@@ -83,6 +84,10 @@ pub fn compile_for(blocks: Blocks, form: SystemForm, by: &[VarId]) -> Result<Pro
     let at_start = sequence::initial(&mut emitter, &order);
     let by_states = sequence::initial_by_states(&mut emitter, &order);
     emitter.initialized.clear();
+    let mut begin: Vec<u32> = at_start.begin.iter().chain(&by_states.begin).copied().collect();
+    begin.sort_unstable();
+    begin.dedup();
+    let relation_starts = relation_start::compile(&mut emitter, &begin);
     let at_events = sequence::event(&mut emitter, &order);
     let between = sequence::continuous(&mut emitter, &order, by);
     for k in 0..emitter.layout.delays.len() {
@@ -97,6 +102,7 @@ pub fn compile_for(blocks: Blocks, form: SystemForm, by: &[VarId]) -> Result<Pro
     }
     let literals = emitter.literal_slots();
     let Emitter { dae, image, layout, layers, routines, mut events, bounds, .. } = emitter;
+    events.relation_starts = relation_starts;
     events.lagged_initial = at_start.lagged;
     events.lagged_by_states = by_states.lagged;
     events.lagged_event = at_events.lagged;

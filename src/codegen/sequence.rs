@@ -16,12 +16,15 @@ use super::relation::{emit_indicators, evaluate_relation, relations_in};
 use super::{SortedBlocks, algebraic, error, forcing, jacobian, nominal};
 
 /// The initial or the event sequence.
+#[derive(Default)]
 pub struct SequenceTape {
     /// Its tape.
     pub tape: Tape,
     /// Relations that are read before they can be evaluated: if one of them changes, the tape must
     /// run again.
     pub lagged: Vec<u32>,
+    /// Relations that need a value before the tape runs: those, and those that mixed blocks iterate.
+    pub begin: Vec<u32>,
 }
 
 /// The tapes between events.
@@ -138,28 +141,28 @@ pub fn initial(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
     e.continuous_level = DISCRETE;
     e.push_layer();
     e.floor = DISCRETE;
-    let lagged = compile_with_relations(e, &blocks.initial, Sequence::Initial);
+    let (lagged, begin) = compile_with_relations(e, &blocks.initial, Sequence::Initial);
     for (slot, value) in e.initialized.clone() {
         e.emit_to(slot, value);
     }
-    SequenceTape { tape: e.pop_discard(), lagged }
+    SequenceTape { tape: e.pop_discard(), lagged, begin }
 }
 
 /// Compiles the initial sequence whose loops are torn at states; empty if there is none.
 pub fn initial_by_states(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
     if blocks.initial_by_states.is_empty() {
-        return SequenceTape { tape: Tape::default(), lagged: Vec::new() };
+        return SequenceTape::default();
     }
     reset_levels(e, false);
     e.continuous_level = DISCRETE;
     e.push_layer();
     e.floor = DISCRETE;
     let sequence = Sequence::InitialByStates;
-    let lagged = compile_with_relations(e, &blocks.initial_by_states, sequence);
+    let (lagged, begin) = compile_with_relations(e, &blocks.initial_by_states, sequence);
     for (slot, value) in e.initialized.clone() {
         e.emit_to(slot, value);
     }
-    SequenceTape { tape: e.pop_discard(), lagged }
+    SequenceTape { tape: e.pop_discard(), lagged, begin }
 }
 
 /// Compiles the event sequence, followed by the actions that depend on its result.
@@ -171,7 +174,7 @@ pub fn event(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
     }
     e.push_layer();
     e.floor = DISCRETE;
-    let lagged = compile_with_relations(e, &blocks.event, Sequence::Event);
+    let (lagged, begin) = compile_with_relations(e, &blocks.event, Sequence::Event);
     for k in 0..e.dae.reinits.len() {
         let reinit = e.dae.reinits[k].clone();
         e.span = reinit.origin.span;
@@ -195,7 +198,7 @@ pub fn event(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
         e.emit_to(slot, active);
         e.events.terminates.push(slot);
     }
-    SequenceTape { tape: e.pop_discard(), lagged }
+    SequenceTape { tape: e.pop_discard(), lagged, begin }
 }
 
 /// Compiles the continuous sequence, split into derivatives, indicators and outputs, with what runs need that are
@@ -377,8 +380,12 @@ impl Dependencies {
 }
 
 /// Compiles a sequence that evaluates relations, each as soon as its operands are known. Returns
-/// the relations that are read before that.
-fn compile_with_relations(e: &mut Emitter, blocks: &[Block], sequence: Sequence) -> Vec<u32> {
+/// the relations that are read before that, and with them those that mixed blocks iterate.
+fn compile_with_relations(
+    e: &mut Emitter,
+    blocks: &[Block],
+    sequence: Sequence,
+) -> (Vec<u32>, Vec<u32>) {
     let need = Dependencies::new(e, blocks);
     let count = e.dae.relations.len();
     let mut position = Vec::with_capacity(count);
@@ -394,6 +401,7 @@ fn compile_with_relations(e: &mut Emitter, blocks: &[Block], sequence: Sequence)
     order.sort_by_key(|&k| (position[k], k));
     let mut order = order.into_iter().peekable();
     let mut lagged = vec![false; count];
+    let mut begin = vec![false; count];
     for (i, block) in blocks.iter().enumerate() {
         while let Some(k) = order.next_if(|&k| position[k] <= i) {
             evaluate_relation(e, k, sequence);
@@ -404,8 +412,10 @@ fn compile_with_relations(e: &mut Emitter, blocks: &[Block], sequence: Sequence)
             let mixed = matches!(block, Block::Mixed(_)) && position[k as usize] == i + 1;
             if mixed {
                 inside.push(k as usize);
+                begin[k as usize] = true;
             } else if position[k as usize] > i {
                 lagged[k as usize] = true;
+                begin[k as usize] = true;
             }
         }
         let place = BlockPosition { sequence, index: i };
@@ -417,5 +427,6 @@ fn compile_with_relations(e: &mut Emitter, blocks: &[Block], sequence: Sequence)
     for k in order {
         evaluate_relation(e, k, sequence);
     }
-    (0..count as u32).filter(|k| lagged[*k as usize]).collect()
+    let those = |chosen: &[bool]| (0..count as u32).filter(|k| chosen[*k as usize]).collect();
+    (those(&lagged), those(&begin))
 }

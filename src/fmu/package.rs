@@ -11,7 +11,7 @@ pub const FILE: &str = "model.mocc";
 /// The first bytes of the file.
 const MAGIC: &[u8; 8] = b"mocc-fmu";
 /// The version of the bytes that follow. Another version of mocc may write others.
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 
 /// Why there is no program.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]

@@ -21,8 +21,8 @@ use crate::ir::flat::{Assert, AssertionLevel, Experiment, Origin, StateSelect};
 use crate::ir::program::{
     AlgebraicUnknown, AssertSlots, BlockDerivative, BlockPosition, Bounds, CallSite, Clock,
     Continuation, DelaySlots, DiscreteUnknown, Entry, Events, FunctionCode, Instr, Layout,
-    MixedBlock, Op, Program, ReaderSlots, ReinitSlots, RelationTrigger, Routines, Sequence,
-    StateSetSlots, Tape, Tapes, TornBlock, TransportSlots,
+    MixedBlock, Op, Program, ReaderSlots, ReinitSlots, RelationStart, RelationTrigger, Routines,
+    Sequence, StateSetSlots, Tape, Tapes, TornBlock, TransportSlots,
 };
 
 macro_rules! wire_id {
@@ -187,8 +187,10 @@ wire_struct!(Tapes {
     state_selection
 });
 wire_struct!(Routines { torn_blocks, block_derivatives, mixed_blocks, calls, functions });
+wire_struct!(RelationStart { relation, tape });
 wire_struct!(Events {
     relation_triggers,
+    relation_starts,
     lagged_initial,
     lagged_by_states,
     lagged_event,

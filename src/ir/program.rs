@@ -466,11 +466,23 @@ pub struct Routines {
     pub functions: Vec<FunctionCode>,
 }
 
+/// The value with which a relation begins at the start.
+#[derive(Clone, Debug)]
+pub struct RelationStart {
+    /// The relation.
+    pub relation: u32,
+    /// Evaluates it at the start values of its operands.
+    pub tape: Tape,
+}
+
 /// Relations, clocks, and actions at events.
 #[derive(Clone, Default)]
 pub struct Events {
     /// One for each relation of the model.
     pub relation_triggers: Vec<RelationTrigger>,
+    /// The values of relations that the initial sequences read before they can evaluate them, and of those that mixed
+    /// blocks iterate there, in an order in which they can be evaluated.
+    pub relation_starts: Vec<RelationStart>,
     /// Relations that `initial` reads before it can evaluate them.
     pub lagged_initial: Vec<u32>,
     /// Relations that `initial_by_states` reads before it can evaluate them.
@@ -680,6 +692,9 @@ impl Program {
         }
         if self.routines.functions.iter().any(|f| f.frame.end as usize > self.image.len()) {
             return Err("a function has a frame of slots that do not exist".into());
+        }
+        for start in &self.events.relation_starts {
+            self.verify_tape("relation start", &start.tape)?;
         }
         for function in &self.routines.functions {
             self.verify_tape("function", &function.tape)?;

@@ -76,6 +76,12 @@ pub enum Fault {
         /// Position of the state.
         state: usize,
     },
+    /// The distance to the border of a relation changes at the same rate on both sides, so that the motion along it is not
+    /// determined.
+    Sliding {
+        /// The relation.
+        relation: u32,
+    },
 }
 
 /// One run of a program. Allocates nothing after `new`, except frames of recursive functions.
@@ -88,6 +94,8 @@ pub struct Machine<'p> {
     pub fault_memory: Vec<f64>,
     /// The last fault.
     pub fault: Option<Fault>,
+    /// The last torn block that was not solved. Cleared by the reader.
+    pub failed_block: Option<usize>,
     /// How often a function did not return.
     pub endless_calls: u32,
     /// Instructions that functions have executed since the last tape.
@@ -155,6 +163,7 @@ impl<'p> Machine<'p> {
             memory: program.image.clone(),
             fault_memory: program.image.clone(),
             fault: None,
+            failed_block: None,
             endless_calls: 0,
             executed_in_functions: 0,
             branch_switch: true,
@@ -383,6 +392,7 @@ impl<'p> Machine<'p> {
         let outcome = work.solve(self, k).map_err(|fault| self.fail(fault));
         if outcome.is_err() {
             work.restore(&self.program.routines.torn_blocks[k], &mut self.memory);
+            self.failed_block = Some(k);
         }
         self.torn_solvers[k] = Some(work);
         outcome

@@ -185,6 +185,10 @@ pub enum NonFinite {
         base: f64,
         exponent: f64,
     },
+    /// The motion along the border of a relation.
+    Sliding {
+        relation: String,
+    },
     /// An unknown of the model.
     Unknown {
         name: String,
@@ -226,6 +230,10 @@ impl fmt::Display for NonFinite {
             Power { text, base, exponent } => {
                 write!(f, "`{text}` has no finite value for base {base} and exponent {exponent}")
             }
+            Sliding { relation } => write!(
+                f,
+                "the motion along the border of `{relation}` is not determined: on both sides the distance to it changes at the same rate"
+            ),
             Unknown { name, value } | Given { name, value } => write!(f, "`{name}` is {value}"),
             Expression { text, value } => write!(f, "`{text}` is {value}"),
             Derivative { state } => {
@@ -250,6 +258,7 @@ impl NonFinite {
             Power { .. } => Some(
                 "use an Integer exponent for a negative base, and a positive one for a base of zero",
             ),
+            Sliding { .. } => Some("give the two branches a hysteresis or a smooth transition"),
             Unknown { .. } => Some("check the equation that determines it"),
             Expression { .. } => Some("check the magnitudes of its operands"),
             Derivative { .. } => Some(

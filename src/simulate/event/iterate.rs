@@ -10,6 +10,7 @@ use crate::ir::program::{Program, Slot, Tape};
 use crate::runtime::machine::{Fault, Machine};
 
 use super::relation_search::{may_have_solution, solve_relations};
+use super::relation_start;
 use super::time_events::Clocks;
 use crate::simulate::failure::assertion::message_text;
 
@@ -124,16 +125,70 @@ fn try_strategies<'p, T>(
     outcome
 }
 
-/// Solves the initial sequence. The Gauss-Seidel strategy sets `pre(v) = v` unless `v` is fixed
-/// (Modelica specification 3.6, section 8.6).
+/// Maximum number of passes from the start values that may fail before other strategies are tried.
+const MAX_FAILED_PASSES: u32 = 4;
+
+/// Solves the initial sequence. Relations that it reads before it can evaluate them begin with their values at the start
+/// values of their operands; if that leads nowhere, all begin with false.
 pub fn solve_initial(machine: &mut Machine<'_>) -> Result<(), EventError> {
-    let (tape, lagged) = initial_sequence(machine);
-    let outcome = try_strategies(machine, true, |machine, strategy| match strategy {
-        Strategy::GaussSeidel => initial_gauss_seidel(machine),
-        _ => solve_relations(machine, tape, lagged, strategy == Strategy::Enumerate),
-    });
+    let is_any_true = relation_start::evaluate(machine);
+    let before = machine.snapshot();
+    let mut outcome = solve_initial_from(machine, true, initial_direct);
+    if let Err(failed) = &outcome
+        && is_any_true
+    {
+        // All combinations of relations were tried already, if that was promising.
+        let exhaustive = !may_have_solution(failed);
+        let saved = machine.save_fault();
+        machine.restore_from(&before);
+        relation_start::clear(machine);
+        let found = solve_initial_from(machine, exhaustive, |machine| {
+            let (tape, lagged) = initial_sequence(machine);
+            solve_relations(machine, tape, lagged, false)
+        });
+        if found.is_ok() {
+            machine.discard_fault(saved);
+            outcome = found;
+        } else {
+            machine.restore_fault(saved);
+        }
+    }
+    machine.recycle(before);
     // Events are about other relations.
     machine.relation_solutions.clear();
+    outcome
+}
+
+/// Solves the initial sequence from the values of relations in the memory, at first by `direct`. The Gauss-Seidel strategy
+/// sets `pre(v) = v` unless `v` is fixed (Modelica specification 3.6, section 8.6).
+fn solve_initial_from<'p>(
+    machine: &mut Machine<'p>,
+    exhaustive: bool,
+    direct: impl Fn(&mut Machine<'p>) -> Result<(), EventError>,
+) -> Result<(), EventError> {
+    try_strategies(machine, exhaustive, |machine, strategy| match strategy {
+        Strategy::Direct => direct(machine),
+        Strategy::GaussSeidel => initial_gauss_seidel(machine),
+        Strategy::Enumerate => {
+            let (tape, lagged) = initial_sequence(machine);
+            solve_relations(machine, tape, lagged, true)
+        }
+    })
+}
+
+/// Solves relations and equations together. A pass that fails has computed the operands of some relations: if that gives
+/// others than it began with, the next pass begins with them.
+fn initial_direct(machine: &mut Machine<'_>) -> Result<(), EventError> {
+    let (tape, lagged) = initial_sequence(machine);
+    machine.failed_block = None;
+    let mut outcome = solve_relations(machine, tape, lagged, false);
+    for _ in 0..MAX_FAILED_PASSES {
+        if !matches!(outcome, Err(EventError::Fault(_))) || !relation_start::evaluate_again(machine)
+        {
+            break;
+        }
+        outcome = solve_relations(machine, tape, lagged, false);
+    }
     outcome
 }
 

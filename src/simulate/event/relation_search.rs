@@ -30,6 +30,7 @@ pub fn solve_relations<'p>(
     let mut outcome = iterate_relations(machine, tape, lagged, &mut changed);
     if outcome.as_ref().is_err_and(may_have_solution) {
         let saved = machine.save_fault();
+        let exhaustive = exhaustive && !is_about_unknowns(machine, &outcome, &changed);
         let mut search = RelationSearch { machine, tape, lagged, entry_memory: &entry_memory };
         let found = search.try_known()
             || search.flip_contradicted()
@@ -43,6 +44,18 @@ pub fn solve_relations<'p>(
     }
     machine.recycle(entry_memory);
     outcome
+}
+
+/// Whether a start failed where no relation has changed, so that none is suspected: starts of the unknowns far away are tried
+/// first.
+fn is_about_unknowns(
+    machine: &Machine<'_>,
+    outcome: &Result<(), EventError>,
+    changed: &[u32],
+) -> bool {
+    let starts = machine.get(machine.program.layout.initial) != 0.0;
+    let is_singular = matches!(outcome, Err(EventError::Fault(Fault::Singular { .. })));
+    starts && !machine.branch_switch && is_singular && changed.is_empty()
 }
 
 /// Repeats the tape until the relations stop changing or a combination recurs. Appends the

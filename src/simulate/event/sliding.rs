@@ -84,6 +84,13 @@ impl Sliding {
         out: &mut [f64],
     ) -> Result<(), Fault> {
         let weight = self.rates(machine, t, y)?.weight();
+        if !weight.is_finite() && self.sides[0] == self.sides[1] {
+            out.copy_from_slice(&self.sides[0]);
+            return Ok(());
+        }
+        if !weight.is_finite() {
+            return Err(machine.fail(Fault::Sliding { relation: self.relation }));
+        }
         for (i, out) in out.iter_mut().enumerate() {
             *out = self.sides[0][i] + weight * (self.sides[1][i] - self.sides[0][i]);
             if !out.is_finite() {
@@ -101,6 +108,7 @@ impl Sliding {
         y: &[f64],
     ) -> Result<(), Fault> {
         let weight = self.rates(machine, t, y)?.weight();
+        let weight = if weight.is_finite() { weight } else { 1.0 };
         for truth in [0, 1] {
             self.switch(machine, truth)?;
             let program = machine.program;

@@ -142,6 +142,11 @@ pub fn of_fault(machine: &Machine<'_>, fault: Fault, time: f64) -> Failure {
             let cause = RunCause::FunctionAssertion { time, function, text: text.to_string() };
             Diagnostic::new(cause, place).also(span, "while this was computed")
         }
+        Fault::Sliding { relation } => {
+            let span = program.blocks.dae.relations[relation as usize].origin.span;
+            let value = NonFinite::Sliding { relation: explainer.relation(relation) };
+            Diagnostic::new(RunCause::NotFinite { time, value }, span)
+        }
         Fault::NonTerminating { function } => {
             let info = program.blocks.dae.functions.iter().nth(function);
             let function = info.map_or_else(String::new, |f| f.name.to_string());

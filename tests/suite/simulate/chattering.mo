@@ -42,3 +42,28 @@ equation
   annotation(experiment(StopTime = 10, Interval = 0.5));
 end Surface;
 //@ expect each x + 0.5*v = 0 where time > 2 abs 1e-5
+
+//@ case sliding_that_comes_to_rest
+//@ run stop=4
+// From 3 on both branches agree.
+model Fading
+  Real x(start = 1, fixed = true);
+  Real a = max(0, 3 - time);
+equation
+  der(x) = if x > 0 then -a else a;
+end Fading;
+//@ expect x = 0 abs 1e-6
+
+//@ case sliding_that_nothing_determines
+//@ run stop=4
+//@ status 3
+// From 3 on either branch stays at the border, and z may grow at any rate between theirs.
+model Fading
+  Real x(start = 1, fixed = true);
+  Real a = max(0, 3 - time);
+  Real z(start = 0, fixed = true);
+equation
+  //@ error[MO0902] 3-34
+  der(x) = if x > 0 then -a else a;
+  der(z) = if x > 0 then 1 else 2;
+end Fading;

@@ -235,3 +235,52 @@ equation
 end Vessels;
 //@ expect p[1], p[6], p[20] at start = 3^(1/3), 2, 22^(1/3) rel 1e-12
 //@ expect p[6] = 2*exp(-0.5/3) rel 1e-5
+
+//@ case relations_of_a_loop
+// The loop needs its phase before its enthalpy is known: with the second phase it has no solution.
+model Medium
+  Real h(start = 1);
+  Integer phase;
+  Real d;
+  Real q(start = 1);
+equation
+  phase = if h < 2 then 1 else 2;
+  d = if phase == 1 then 3 + 0.1*h else -5;
+  q^4 + q^2 = d;
+  h = 1 + 0.01*q^2;
+  annotation(experiment(StopTime = 1));
+end Medium;
+//@ expect phase = 1
+//@ expect q = sqrt((-0.999 + sqrt(0.999^2 + 4*3.1))/2) rel 1e-9
+
+//@ case relations_known_after_a_failed_pass
+// The border between the phases has no start value: only the pass that fails computes it.
+model Medium
+  Real border = 2 + time;
+  Real h(start = 1);
+  Integer phase;
+  Real d;
+  Real q(start = 1);
+equation
+  phase = if h < border then 1 else 2;
+  d = if phase == 1 then 3 + 0.1*h else -5;
+  q^4 + q^2 = d;
+  h = 1 + 0.01*q^2;
+  annotation(experiment(StopTime = 1));
+end Medium;
+//@ expect phase = 1
+//@ expect q = sqrt((-0.999 + sqrt(0.999^2 + 4*3.1))/2) rel 1e-9
+
+//@ case relations_that_begin_wrongly
+// At the start values the pump seems to run, and then nothing determines its flow.
+model Pump
+  Real head(start = 3);
+  Real q(start = 1);
+  Boolean runs = head > 2;
+equation
+  0 = if runs then head - 3*head else q + head - 2;
+  head = 1 + q^2;
+  annotation(experiment(StopTime = 1));
+end Pump;
+//@ expect runs = 0
+//@ expect q = (-1 + sqrt(5))/2 rel 1e-9
