@@ -567,11 +567,12 @@ pub struct Continuation {
 }
 
 impl Program {
-    /// An input of the model whose derivative the equations need.
+    /// A driven input of the model whose derivative the equations need.
     pub fn differentiated_input(&self) -> Option<VarId> {
+        // There is always a slot for one derivative more than the equations read.
+        let is_delayed = |v: VarId| self.layout.delays.iter().any(|d| d.variable == v);
         let mut signals = self.layout.signals.iter();
-        let is_input = |v: VarId| self.blocks.dae.variables[v].is_input();
-        signals.find(|(v, order, _)| *order > 0 && is_input(*v)).map(|(v, ..)| *v)
+        signals.find(|(v, order, _)| *order > 1 && !is_delayed(*v)).map(|(v, ..)| *v)
     }
 
     /// The external functions that its instructions refer to.
