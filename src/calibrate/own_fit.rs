@@ -13,7 +13,8 @@ use super::problem::{By, Point, Problem};
 use super::statistics::standard_errors;
 
 /// When a fit of own values stops: they are few, and steps are cheap.
-const STOPPING: Stopping = Stopping { decrease: 1e-7, step: 1e-7, iterations: 40, reach: 1.0 };
+const STOPPING: Stopping =
+    Stopping { decrease: 1e-7, step: 1e-7, iterations: 40, reach: 1.0, by_data: true };
 
 /// A value that a recording has for itself.
 #[derive(Clone, PartialEq, Debug)]

@@ -71,9 +71,27 @@ pub struct FitPolicy {
 impl Default for FitPolicy {
     fn default() -> Self {
         FitPolicy {
-            full: Stopping { decrease: 1e-7, step: 1e-7, iterations: 60, reach: 1.0 },
-            quick: Stopping { decrease: 1e-5, step: 1e-6, iterations: 25, reach: 1.0 },
-            trimmed: Stopping { decrease: 1e-4, step: 1e-5, iterations: 15, reach: 1.0 },
+            full: Stopping {
+                decrease: 1e-7,
+                step: 1e-7,
+                iterations: 60,
+                reach: 1.0,
+                by_data: true,
+            },
+            quick: Stopping {
+                decrease: 1e-5,
+                step: 1e-6,
+                iterations: 25,
+                reach: 1.0,
+                by_data: false,
+            },
+            trimmed: Stopping {
+                decrease: 1e-4,
+                step: 1e-5,
+                iterations: 15,
+                reach: 1.0,
+                by_data: false,
+            },
             adequate: 1.05,
             improvement: 1e-3,
             restart_points: 12,

@@ -203,8 +203,11 @@ impl SearchPolicy {
 
 impl Default for SearchPolicy {
     fn default() -> Self {
+        let fit = FitPolicy::default();
         SearchPolicy {
-            fit: FitPolicy::default(),
+            // Amplitudes start at a promised size, and parameters that a plan leaves unbounded compensate for what is missing:
+            // their steps stay short.
+            fit: FitPolicy { full: Stopping { by_data: false, ..fit.full }, ..fit },
             resolved_train: 1.03,
             resolved_validation: 1.1,
             resolved_deviations: 2.0,
@@ -232,7 +235,13 @@ impl Default for SearchPolicy {
             fitted_products: 1,
             preliminary_fits: 32,
             preferred_preliminary_fits: 3,
-            preliminary_fit: Stopping { decrease: 1e-2, step: 1e-4, iterations: 4, reach: 1.0 },
+            preliminary_fit: Stopping {
+                decrease: 1e-2,
+                step: 1e-4,
+                iterations: 4,
+                reach: 1.0,
+                by_data: false,
+            },
             straight_share: 0.9,
             fitted_choices: 2,
             fitted_by_validation: 2,
@@ -242,7 +251,13 @@ impl Default for SearchPolicy {
             max_steps: 1400,
             weak_below: 10.0,
             escaped_share: 0.7,
-            short_fit: Stopping { decrease: 1e-3, step: 1e-5, iterations: 10, reach: 1.0 },
+            short_fit: Stopping {
+                decrease: 1e-3,
+                step: 1e-5,
+                iterations: 10,
+                reach: 1.0,
+                by_data: false,
+            },
             start_shares: [1.0, 0.5, 0.2, 0.07, 0.02, 0.0],
             long_fits: 3,
             long_fit_factor: 2.0,

@@ -110,6 +110,9 @@ pub struct Stopping {
     pub iterations: u32,
     /// Largest change of a parameter in one step.
     pub reach: f64,
+    /// Measures the sizes of parameters that have none of their own, and lets steps grow while the residuals are as linear
+    /// as predicted.
+    pub by_data: bool,
 }
 
 /// The result of a search.
@@ -154,7 +157,10 @@ pub fn minimize(
     let n = x.len();
     let mut x: Vec<f64> = x.iter().zip(bounds).map(|(x, b)| x.max(b.0).min(b.1)).collect();
     let mut normal = residuals.normal(&x).filter(NormalEquations::is_finite)?;
-    let units = units(&normal, &x, bounds);
+    let units = match stopping.by_data {
+        true => units(&normal, &x, bounds),
+        false => vec![1.0; n],
+    };
     let mut reach = stopping.reach;
     let mut damping = 1e-3;
     let mut growth = 2.0;
@@ -177,17 +183,19 @@ pub fn minimize(
             };
             let longest =
                 moved.iter().zip(&units).fold(0.0f64, |m, (s, unit)| m.max(s.abs() / unit));
-            let is_small = longest <= stopping.step;
-            if is_small || predicted(&normal, &moved) <= stopping.decrease * normal.cost {
-                converged = true;
-                break;
-            }
+            let promised = predicted(&normal, &moved);
             let is_cut = longest > reach;
             if is_cut {
                 moved.iter_mut().for_each(|s| *s *= reach / longest);
             }
             let trial: Vec<f64> = x.iter().zip(&moved).map(|(x, m)| x + m).collect();
             let predicted = predicted(&normal, &moved);
+            let is_small = longest.min(reach) <= stopping.step;
+            let decrease = if stopping.by_data { promised } else { predicted };
+            if is_small || decrease <= stopping.decrease * normal.cost {
+                converged = true;
+                break;
+            }
             let cost = residuals.cost(&trial).filter(|c| c.is_finite());
             let ratio = cost.map_or(-1.0, |c| (normal.cost - c) / predicted);
             if ratio > 1e-4 {
@@ -195,7 +203,7 @@ pub fn minimize(
                 growth = 2.0;
                 length = longest.min(reach);
                 // Where the residuals turn out to be as linear as predicted, the next step may be longer.
-                if is_cut && (ratio - 1.0).abs() < LINEAR {
+                if stopping.by_data && is_cut && (ratio - 1.0).abs() < LINEAR {
                     reach *= LONGER;
                 }
                 accepted = Some(trial);
@@ -328,7 +336,7 @@ mod tests {
     use super::*;
 
     const STOPPING: Stopping =
-        Stopping { decrease: 1e-14, step: 1e-12, iterations: 200, reach: 10.0 };
+        Stopping { decrease: 1e-14, step: 1e-12, iterations: 200, reach: 10.0, by_data: true };
 
     struct Rosenbrock;
 
@@ -380,7 +388,8 @@ mod tests {
 
     #[test]
     fn a_line_is_found_whatever_its_unit() {
-        let stopping = Stopping { decrease: 1e-7, step: 1e-7, iterations: 60, reach: 1.0 };
+        let stopping =
+            Stopping { decrease: 1e-7, step: 1e-7, iterations: 60, reach: 1.0, by_data: true };
         let free = [(f64::NEG_INFINITY, f64::INFINITY); 2];
         let wide = [(-1e10, 1e10); 2];
         for (a, b) in [(1e-8, -3e-8), (1e8, -3e8), (2.0, 5e5), (1e-6, 1e3)] {
