@@ -236,18 +236,21 @@ pub fn minimize(
 }
 
 /// The change of each parameter that counts as large. It is 1 for parameters whose coordinates are scaled. One that starts
-/// at zero without bounds, or anywhere between bounds far apart, has no size of its own: there it is the change that would
+/// at zero, or anywhere between bounds far apart, has no size of its own: there it is the change that would
 /// alone make up for all residuals.
 fn units(normal: &NormalEquations, x: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
     let unit = |i: usize| {
         let range = bounds[i].1 - bounds[i].0;
         let gram = normal.gram[i + normal.n * i];
         let size = (normal.cost / gram).sqrt();
-        match range.is_finite() {
-            _ if !size.is_finite() || size == 0.0 => 1.0,
-            true if range > WIDE => size.min(0.25 * range).max(1.0),
-            false if x[i] == 0.0 => size,
-            _ => 1.0,
+        if !size.is_finite() || size == 0.0 {
+            1.0
+        } else if x[i] == 0.0 {
+            size.min(0.25 * range)
+        } else if range > WIDE && range.is_finite() {
+            size.min(0.25 * range).max(1.0)
+        } else {
+            1.0
         }
     };
     (0..x.len()).map(unit).collect()
