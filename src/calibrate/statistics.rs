@@ -112,12 +112,12 @@ pub fn at_bound(normal: &NormalEquations, parameters: &[Parameter], x: &[f64]) -
     parameters.iter().enumerate().map(held).collect()
 }
 
-/// The change of a parameter in the search that counts as large at `x`: on a linear scale the value itself, if that is
-/// larger than the size of the scale.
+/// The change of a parameter in the search that counts as large at `x`: where the scale is linear the value itself, if that
+/// is larger than the size of the scale.
 fn unit(parameter: &Parameter, x: f64) -> f64 {
     match parameter.scale {
-        Scale::Positive { .. } => 1.0,
-        Scale::Linear { .. } => x.abs().max(1.0),
+        Scale::Positive { .. } if x > 0.0 => 1.0,
+        _ => x.abs().max(1.0),
     }
 }
 

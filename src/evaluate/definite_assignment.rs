@@ -57,7 +57,8 @@ pub(super) fn missing<'s>(
     outputs: &FastMap<Name, Parts>,
     sections: impl Iterator<Item = &'s [Statement]>,
 ) -> Vec<Missing> {
-    let mut search = Search { outputs, branches: FastMap::default(), missing: FastMap::default() };
+    let mut search =
+        Search { outputs, branches: FastMap::default(), missing: FastMap::default(), left: None };
     let mut state = Some(State::default());
     for statements in sections {
         state = search.run(statements, state);
@@ -85,6 +86,8 @@ struct Search<'o> {
     /// Where an output has a value on some paths alone.
     branches: FastMap<Name, Span>,
     missing: FastMap<Name, Missing>,
+    /// The state in which a loop was left last.
+    left: Option<State>,
 }
 
 impl Search<'_> {
@@ -110,16 +113,20 @@ impl Search<'_> {
                     state = self.meet(ends, statement.span)?;
                 }
                 StatementKind::For { body, .. } | StatementKind::While { body, .. } => {
-                    // A loop that is left early has run to there.
                     let after = self.run(body, Some(state.clone()));
-                    state = after.unwrap_or(state);
+                    // A loop that is always left early has run to there.
+                    state = after.or(self.left.take()).unwrap_or(state);
                 }
                 StatementKind::Call(call) if never_returns(call) => return None,
                 StatementKind::Return => {
                     self.end(&state);
                     return None;
                 }
-                StatementKind::Break | StatementKind::Broken => return None,
+                StatementKind::Break => {
+                    self.left = Some(state);
+                    return None;
+                }
+                StatementKind::Broken => return None,
                 StatementKind::Call(_) | StatementKind::When { .. } => {}
             }
         }

@@ -487,9 +487,8 @@ impl Evaluator<'_> {
             SectionKind::Equations(_) => None,
         });
         let parts = outputs.iter().map(|(name, (_, parts))| (*name, parts.clone())).collect();
-        let function = self.classes[class].full_name;
         for Missing { name, part, branch } in missing(&parts, statements) {
-            let cause = CallCause::OutputInPart { function, name, part };
+            let cause = CallCause::OutputInPart { function: full_name, name, part };
             let mut problem = Diagnostic::new(cause, outputs[&name].0);
             if let Some(branch) = branch {
                 problem =

@@ -276,8 +276,9 @@ impl<'p> Exchange<'p> {
     fn record_histories(&mut self, after_event: bool) {
         let machine = &mut self.system.machine;
         if machine.has_history() {
-            // Values of the step that ends here may still be asked for.
-            machine.delays.record(self.t, &machine.memory, after_event, self.recorded);
+            // Values of the step that ends here may still be asked for; a restored state may lie before the last one.
+            let needed = self.recorded.min(self.t);
+            machine.delays.record(self.t, &machine.memory, after_event, needed);
             self.recorded = self.t;
             machine.transports.record(self.t, &machine.memory, after_event);
         }

@@ -152,6 +152,11 @@ mod tests {
                 assert!((c.value(*t, 0) - t.sin()).abs() < 1e-14, "{name}");
             }
             assert_eq!((c.value(-1.0, 0), c.value(-1.0, 1)), (0.0, 0.0));
+            // At the last instant the slope is that before it, and afterwards zero.
+            let last = times(40)[39];
+            let expected = if interpolation == Interpolation::Hold { 0.0 } else { last.cos() };
+            assert!((c.value(last, 1) - expected).abs() < 0.1, "{name}: {}", c.value(last, 1));
+            assert_eq!(c.value(last + 1e-9, 1), 0.0);
         }
     }
 

@@ -95,20 +95,17 @@ pub fn compare(
             found.messages.push(format!("the {what} has no rows"));
         }
     }
-    if let (Some(begin), Some(of_reference)) = (run.time.first(), reference.time.first()) {
-        let shift = columns.iter().map(|(_, t)| t.shift(&reference.time)).fold(0.0, f64::max);
-        if (begin - of_reference).abs() > shift.max(1e-9 * of_reference.abs()) {
-            found
-                .messages
-                .push(format!("the run begins at {begin} s, the reference at {of_reference} s"));
-        }
-    }
-    if let (Some(end), Some(of_reference)) = (run.time.last(), reference.time.last()) {
-        let shift = columns.iter().map(|(_, t)| t.shift(&reference.time)).fold(0.0, f64::max);
-        if (end - of_reference).abs() > shift.max(1e-9 * of_reference.abs()) {
-            found
-                .messages
-                .push(format!("the run ends at {end} s, the reference at {of_reference} s"));
+    let shift = columns.iter().map(|(_, t)| t.shift(&reference.time)).fold(0.0, f64::max);
+    for (happens, own, of_reference) in [
+        ("begins", run.time.first(), reference.time.first()),
+        ("ends", run.time.last(), reference.time.last()),
+    ] {
+        if let (Some(own), Some(of_reference)) = (own, of_reference)
+            && (own - of_reference).abs() > shift.max(1e-9 * of_reference.abs())
+        {
+            let message =
+                format!("the run {happens} at {own} s, the reference at {of_reference} s");
+            found.messages.push(message);
         }
     }
     for (column, tolerance) in columns {

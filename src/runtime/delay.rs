@@ -58,6 +58,11 @@ impl DelayBuffers {
         self.lines.retain(|line| !line.input.is_some_and(&is_driven));
     }
 
+    /// Number of delays.
+    pub fn count(&self) -> usize {
+        self.lines.len()
+    }
+
     /// True if the model has no delays.
     pub fn is_empty(&self) -> bool {
         self.lines.is_empty()
@@ -102,20 +107,21 @@ impl DelayBuffers {
     pub fn record(&mut self, t: f64, memory: &[f64], after_event: bool, needed: f64) {
         for line in &mut self.lines {
             let value = memory[line.source as usize];
-            let Some(segment) = line.segments.last_mut() else { continue };
-            match segment.last() {
-                Some((last, old)) if after_event && jumps(old, value) => {
-                    line.segments.push(PolynomialSegment::of(last, value));
-                }
-                Some((last, _)) if last >= t => {
-                    if after_event {
-                        segment.mark_corner();
-                    }
-                }
-                _ => segment.push_last(t, value),
-            }
-            line.discard_before(needed - memory[line.delay as usize]);
+            line.add(t, value, after_event, needed - memory[line.delay as usize]);
         }
+    }
+
+    /// Adds a point with these values, in the order of [`DelayBuffers::sources`], to each history.
+    pub fn record_values(&mut self, t: f64, values: &[f64], memory: &[f64], needed: f64) {
+        for (line, value) in self.lines.iter_mut().zip(values) {
+            line.add(t, *value, false, needed - memory[line.delay as usize]);
+        }
+    }
+
+    /// The values that were recorded last.
+    pub fn last_values(&self) -> impl Iterator<Item = f64> + '_ {
+        let last = |line: &Line| line.segments.last().and_then(PolynomialSegment::last);
+        self.lines.iter().map(move |line| last(line).map_or(0.0, |(_, value)| value))
     }
 
     /// The next instant at which a jump reaches the output; infinity if there is none.
@@ -172,6 +178,23 @@ impl Line {
         self.starts.clear();
         let limit = a - (b - a).powi(2) / (c - 2.0 * b + a);
         if limit.is_finite() { limit } else { value }
+    }
+
+    /// Adds a point; values from the instant `needed` on may still be asked for.
+    fn add(&mut self, t: f64, value: f64, after_event: bool, needed: f64) {
+        let Some(segment) = self.segments.last_mut() else { return };
+        match segment.last() {
+            Some((last, old)) if after_event && jumps(old, value) => {
+                self.segments.push(PolynomialSegment::of(last, value));
+            }
+            Some((last, _)) if last >= t => {
+                if after_event {
+                    segment.mark_corner();
+                }
+            }
+            _ => segment.push_last(t, value),
+        }
+        self.discard_before(needed);
     }
 
     /// Drops points that can no longer reach the output.

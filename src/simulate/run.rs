@@ -45,13 +45,6 @@ const FIRST_BRANCH_SHIFT: f64 = 1e-12;
 /// Number of shifts, each ten times the previous one.
 const MAX_BRANCH_SHIFTS: i32 = 7;
 
-/// Points per step that are recorded in the histories of delayed variables, at least and at most: as many as cubic
-/// polynomials through them need for the tolerance.
-const HISTORY_POINTS: u32 = 5;
-const MOST_HISTORY_POINTS: u32 = 5 << 10;
-/// Error of a cubic polynomial through four points in the middle between them, as a part of a fourth difference: 3/128.
-const MIDDLE_ERROR: f64 = 0.0235;
-
 /// Minimum limit of a step by histories, as a fraction of the run. A longer step extrapolates a
 /// history along its last slope.
 const MIN_STEP_FRACTION: f64 = 1e-4;
@@ -276,7 +269,9 @@ pub struct Simulation<'p, 's> {
     pub(super) start: f64,
     pub(super) stop: f64,
     /// Relative error that is allowed.
-    tolerance: f64,
+    pub(super) tolerance: f64,
+    /// Memory for the delayed expressions within a step.
+    pub(super) history_samples: Vec<f64>,
     /// No step goes beyond this instant, s; infinite unless the run is advanced from outside.
     pub(super) limit: f64,
     pub(super) t: f64,
@@ -356,6 +351,7 @@ impl<'p, 's> Simulation<'p, 's> {
             start: settings.start,
             stop: settings.stop,
             tolerance: settings.tolerance,
+            history_samples: Vec::new(),
             limit: f64::INFINITY,
             t,
             y,
@@ -475,70 +471,6 @@ impl<'p, 's> Simulation<'p, 's> {
             let cause = RunCause::UnresolvedOscillation { periods };
             self.statistics.warnings.push(Diagnostic::new(cause, Span::NONE));
         }
-    }
-
-    /// The number of points of a step at which cubic polynomials follow the delayed expressions to the tolerance: an
-    /// expression may vary faster than the states, whose errors alone determine the step.
-    fn history_points(&mut self, begin: f64, end: f64) -> Result<u32, Failure> {
-        let mut points = HISTORY_POINTS;
-        if self.system.machine.delays.is_empty() {
-            return Ok(points);
-        }
-        while points < MOST_HISTORY_POINTS {
-            let mut rows: Vec<Vec<f64>> = Vec::with_capacity(points as usize + 1);
-            for k in 0..=points {
-                self.evaluate_at(begin + f64::from(k) / f64::from(points) * (end - begin))?;
-                let machine = &self.system.machine;
-                rows.push(machine.delays.sources(&machine.memory).collect());
-            }
-            let is_followed = (0..rows[0].len()).all(|line| {
-                let value = |k: usize| rows[k][line];
-                let size = rows.iter().map(|row| row[line].abs()).fold(0.0, f64::max);
-                let differences = (4..rows.len()).map(|k| {
-                    let outer = value(k) + value(k - 4);
-                    (outer - 4.0 * (value(k - 1) + value(k - 3)) + 6.0 * value(k - 2)).abs()
-                });
-                let largest = differences.fold(0.0, f64::max);
-                MIDDLE_ERROR * largest <= self.tolerance * size
-            });
-            if is_followed {
-                break;
-            }
-            points *= 2;
-        }
-        Ok(points)
-    }
-
-    /// Records the histories of delayed variables and transport lines: the current values (`now`),
-    /// or the last step up to `end`.
-    pub(super) fn record_history(&mut self, end: f64, now: bool) -> Result<(), Failure> {
-        if !self.system.machine.has_history() {
-            return Ok(());
-        }
-        let begin = self.t.max(self.stepper.t_previous());
-        let record = |system: &mut HybridSystem<'_>, t: f64, after_event: bool| {
-            let machine = &mut system.machine;
-            machine.delays.record(t, &machine.memory, after_event, begin);
-            machine.transports.record(t, &machine.memory, after_event);
-        };
-        if now {
-            let evaluated = self.system.evaluate_all(end, &self.y);
-            evaluated.map_err(|f| of_fault(&self.system.machine, f, end))?;
-            record(&mut self.system, end, true);
-            return Ok(());
-        }
-        // Histories that are constant between events need only the end point.
-        let points = match self.system.machine.records_history() {
-            true => self.history_points(begin, end)?,
-            false => 1,
-        };
-        for k in 1..=points {
-            let part = f64::from(k) / f64::from(points);
-            let t = if k == points { end } else { begin + part * (end - begin) };
-            self.evaluate_at(t)?;
-            record(&mut self.system, t, false);
-        }
-        Ok(())
     }
 
     /// Checks and records the step that ends at `t` without an event, and advances to `t`.

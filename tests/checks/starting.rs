@@ -439,6 +439,68 @@ fn a_differentiated_input_has_no_state_space_form() {
 }
 
 #[test]
+fn a_delay_time_that_varies_is_for_co_simulation() {
+    let folder = Scratch::new();
+    folder.file("d.mo", "model D\n  Real d = delay(sin(3*time), 0.1 + 0.05*time, 0.3);\nend D;\n");
+    folder.file("runtime.so", "a stand-in for the shared library\n");
+    let export = ["export", "fmu", "d.mo", "--runtime", "runtime.so", "--type"];
+    let ended = mocc(folder.path(), &[&export[..], &["me"]].concat());
+    assert!(ended.status == 2 && ended.err.contains("a delay time varies"), "{}", ended.err);
+    let ended = mocc(folder.path(), &[&export[..], &["both"]].concat());
+    assert!(ended.status == 0 && ended.err.contains("MO1303"), "{}", ended.err);
+}
+
+/// Straight lines whose size is that of nothing else in the plan, from zero: least squares has a closed form.
+#[test]
+fn lines_of_any_size_are_calibrated_without_bounds() {
+    for size in [1e-8, 1.0, 1e8] {
+        let folder = Scratch::new();
+        // A start of 1 says that 1e-8 is little.
+        let start = if size < 1.0 { 0 } else { 1 };
+        folder.file(
+            "l.mo",
+            &format!(
+                "model L\n  parameter Real a = 0;\n  parameter Real b = {start};\n  output Real y = a + b*time;\nend L;\n"
+            ),
+        );
+        let rows: Vec<(f64, f64)> = (0..21)
+            .map(|k| {
+                let t = 0.5 * f64::from(k);
+                (t, size * (2.0 - 0.5 * t + 0.01 * f64::from((7 * k) % 5 - 2)))
+            })
+            .collect();
+        let text: String = rows.iter().map(|(t, y)| format!("{t},{y:e}\n")).collect();
+        folder.file("r.csv", &format!("t,y\n{text}"));
+        folder.file(
+            "plan.toml",
+            &format!(
+                "model = \"l.mo\"\n[data]\nfolder = \".\"\n[[recordings]]\nfile = \"r.csv\"\n[time]\ncolumn = \"t\"\nunit = \"s\"\n\
+                 [signals]\ny = {{ variable = \"y\", unit = \"1\", sigma = {:e} }}\n[free]\na = {{}}\nb = {{}}\n",
+                0.015 * size
+            ),
+        );
+        let ended = mocc(folder.path(), &["calibrate", "plan.toml", "--out", "out"]);
+        assert_eq!(ended.status, 0, "{}{}", ended.out, ended.err);
+        let text = fs::read_to_string(folder.path().join("out/calibration.json")).expect("a file");
+        let found: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let n = rows.len() as f64;
+        let sum = |f: &dyn Fn(f64, f64) -> f64| rows.iter().map(|(t, y)| f(*t, *y)).sum::<f64>();
+        let (st, sy) = (sum(&|t, _| t), sum(&|_, y| y));
+        let (stt, sty) = (sum(&|t, _| t * t), sum(&|t, y| t * y));
+        let b = (n * sty - st * sy) / (n * stt - st * st);
+        let a = (sy - b * st) / n;
+        for (name, expected) in [("a", a), ("b", b)] {
+            let all = found["parameters"].as_array().expect("a list");
+            let p = all.iter().find(|p| p["name"] == name).expect("the parameter");
+            let value = p["value"].as_f64().expect("a number");
+            assert!((value - expected).abs() < 1e-3 * size, "{size}: {name} {value} {expected}");
+            assert_eq!(p["at_bound"], false);
+            assert!(p["standard_error"].as_f64().is_some_and(f64::is_finite), "{p}");
+        }
+    }
+}
+
+#[test]
 fn recordings_are_numbered_for_a_model_that_wears() {
     let folder = Scratch::new();
     folder.file(

@@ -112,6 +112,15 @@ model Always
     y[2, 1] := 2;
     y[2, 2] := 3;
   end both;
+  function first
+    input Real x;
+    output Real y;
+  algorithm
+    for i in 1:3 loop
+      y := i*x;
+      break;
+    end for;
+  end first;
   function default
     input Real x;
     output Real y = 2;
@@ -125,6 +134,7 @@ model Always
   Real c[3] = powers(time, 3);
   Port d = port(time);
   Real e[2, 2] = both(time);
+  Real g = first(time);
   Real f = default(time);
 end Always;
 //@ expect messages lacks "MO0255"
