@@ -14,9 +14,9 @@ causes! {
         error MO1322 NotARuntime { path: String, fmi: String }
             => ("`{path}` is not a shared library with the functions of FMI {fmi}"),
             help("leave out `--runtime`, or name a `libmocc_fmu` that `cargo build --release` has made, perhaps on another system");
-        /// States are selected, or a delay time varies, while the model runs, which Model Exchange cannot express.
-        error MO1301 NotExchangeable { model: String, why: &'static str }
-            => ("{why} in `{model}` while it runs, which Model Exchange cannot express"),
+        /// States are selected while the model runs, which Model Exchange cannot express.
+        error MO1301 StatesVary { model: String }
+            => ("the states of `{model}` are selected while it runs, which Model Exchange cannot express"),
             help("export it for Co-Simulation with `--type cs`");
         /// The model needs the derivative of an input, which importers do not give.
         error MO1324 DifferentiatedInput { model: String, input: String }
@@ -26,9 +26,9 @@ causes! {
         error MO1302 NotTransferable { name: String }
             => ("the external function `{name}` of the model cannot be written to an FMU"),
             help("replace the function by one of mocc's library");
-        /// The same as [`FmuCause::NotExchangeable`], where Co-Simulation remains.
-        warning MO1303 OnlyStepping { model: String, why: &'static str }
-            => ("{why} in `{model}` while it runs, so the FMU is for Co-Simulation only"),
+        /// The same as [`FmuCause::StatesVary`], where Co-Simulation remains.
+        warning MO1303 OnlyStepping { model: String }
+            => ("the states of `{model}` are selected while it runs, so the FMU is for Co-Simulation only"),
             help("write `--type cs` to say so");
         /// A file cannot be read or written.
         error MO1304 FileOfFmu { path: String, why: String }

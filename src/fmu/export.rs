@@ -56,16 +56,12 @@ pub fn export(
         let cause = FmuCause::DifferentiatedInput { model, input };
         return Err(Box::new(Diagnostic::new(cause, Span::NONE)));
     }
+    let varies = !program.state_sets.is_empty();
     let mut warning = None;
-    let not_exchangeable = not_exchangeable(program);
-    let varies = not_exchangeable.is_some();
-    if order.exchange
-        && let Some(why) = not_exchangeable
-    {
-        let model = model.clone();
+    if varies && order.exchange {
         let cause = match order.stepping {
-            true => FmuCause::OnlyStepping { model, why },
-            false => FmuCause::NotExchangeable { model, why },
+            true => FmuCause::OnlyStepping { model: model.clone() },
+            false => FmuCause::StatesVary { model: model.clone() },
         };
         let diagnostic = Diagnostic::new(cause, Span::NONE);
         if !order.stepping {
@@ -127,15 +123,6 @@ pub fn export(
         Diagnostic::new(FmuCause::FileOfFmu { path: "the archive".to_owned(), why }, Span::NONE)
     })?;
     Ok((packed, warning))
-}
-
-/// Why Model Exchange cannot express a model.
-fn not_exchangeable(program: &Program) -> Option<&'static str> {
-    if !program.state_sets.is_empty() {
-        return Some("states are selected");
-    }
-    // An importer only stops where it is told to before a step, and values that are read later are not known then.
-    program.layout.delays.iter().any(|d| d.moves).then_some("a delay time varies")
 }
 
 /// The name of the model as a C identifier.
