@@ -458,7 +458,7 @@ fn a_delay_time_varies_in_model_exchange() {
         let ended = mocc(folder.path(), &export);
         assert!(ended.status == 0 && ended.err.is_empty(), "{}", ended.err);
         done(folder.path(), &["simulate", "d.fmu", "-o", "d.csv", "--quiet"]);
-        let rows = read_csv(&folder.path().join("d.csv")).expect("a table");
+        let rows = read_csv(folder.path().join("d.csv")).expect("a table");
         let column = |name: &str| &rows.data[rows.position(name).expect(name)];
         for ((t, d), c) in rows.time.iter().zip(column("d").iter()).zip(column("c").iter()) {
             let expected = |then: f64| if then > 0.0 { (3.0 * then).sin() } else { 0.0 };
