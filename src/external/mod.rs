@@ -51,6 +51,10 @@ pub trait External: Debug + Send + Sync {
     fn elements(&self) -> Option<(&[f64], bool)> {
         None
     }
+    /// The declaration of a Modelica function of this name that is the same, if there is one.
+    fn modelica(&self, _name: &str) -> Option<String> {
+        None
+    }
     /// Why the last call on this thread gave no number, once, if the function knows.
     fn take_failure(&self) -> Option<Box<Diagnostic>> {
         None

@@ -58,6 +58,25 @@ impl Curve {
         (self.x[0], self.x[self.x.len() - 1])
     }
 
+    /// The points between which it is a polynomial, increasing.
+    pub fn points(&self) -> &[f64] {
+        &self.x
+    }
+
+    /// For each interval the polynomial in the distance from its lower point, lowest power first.
+    pub fn pieces(&self) -> &[[f64; 4]] {
+        &self.segments
+    }
+
+    /// The value at the first or the last point.
+    pub fn end(&self, point: f64) -> f64 {
+        if point == self.x[0] {
+            self.segments.first().map_or(self.last, |p| p[0])
+        } else {
+            self.last
+        }
+    }
+
     /// Extrapolation beyond the points.
     pub fn extrapolation(&self) -> Extrapolation {
         self.extrapolation

@@ -4,6 +4,7 @@
 //! A table is created once and evaluated many times, with its derivatives.
 pub mod time_table;
 pub mod curve;
+mod curve_text;
 pub mod operator;
 pub mod surface;
 

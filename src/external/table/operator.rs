@@ -46,6 +46,10 @@ impl External for CurveValue {
         self.curve.at(args[0], self.order + 1)
     }
 
+    fn modelica(&self, name: &str) -> Option<String> {
+        Some(self.curve.modelica(name, self.order))
+    }
+
     same_if_equal!();
 }
 

@@ -2,10 +2,10 @@
 
 use std::collections::hash_map::Entry;
 
+use super::Table;
 use super::identifier::{push_quoted, quoted};
 use crate::base::index::{FastMap, FastSet, Id};
 use crate::ir::expr::{ExprId, FunctionId, Node, Type, VarId};
-use crate::ir::external::ExternalId;
 use crate::ir::flat::{FlatModel, Function, LocalId, Statement};
 use crate::symbolic::print::{Printer, type_name};
 
@@ -15,7 +15,7 @@ fn function_name(function: FunctionId, output: u32) -> String {
 }
 
 /// The definitions of all functions of the model.
-pub(crate) fn functions(flat: &FlatModel, tables: &[ExternalId]) -> String {
+pub(crate) fn functions(flat: &FlatModel, tables: &[Table]) -> String {
     let mut out = String::new();
     if flat.functions.is_empty() {
         return out;
@@ -88,7 +88,7 @@ fn types(flat: &FlatModel, function: &Function, inputs: &[Type]) -> Vec<Type> {
 struct FunctionPrinter<'a> {
     flat: &'a FlatModel,
     function: &'a Function,
-    tables: &'a [ExternalId],
+    tables: &'a [Table],
     types: Vec<Type>,
     out: &'a mut String,
 }

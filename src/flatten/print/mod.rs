@@ -87,15 +87,27 @@ fn implicit(flat: &FlatModel) -> FastSet<VarId> {
     found
 }
 
-/// The tables whose subscripts vary during simulation.
-fn tables(flat: &FlatModel) -> Vec<ExternalId> {
-    let mut found = Vec::new();
-    for e in flat.graph.ids() {
-        if let Node::Unary(Unary::External(f), _) = flat.graph.node(e)
-            && flat.graph.externals().get(f).elements().is_some()
-            && !found.contains(&f)
-        {
-            found.push(f);
+/// A table that is declared before it is used.
+#[derive(Clone, Copy)]
+pub(crate) struct Table {
+    id: ExternalId,
+    /// It is a function, rather than an array.
+    is_function: bool,
+}
+
+/// The tables whose subscripts or arguments vary during simulation.
+fn tables(flat: &FlatModel) -> Vec<Table> {
+    let mut found: Vec<Table> = Vec::new();
+    let mut roots = Vec::new();
+    flat.for_each_expression(&mut |e| roots.push(e));
+    flat.functions.iter().for_each(|function| roots.extend(function.values()));
+    for e in flat.graph.postorder(roots) {
+        let Node::Unary(Unary::External(id), _) = flat.graph.node(e) else { continue };
+        let external = flat.graph.externals().get(id);
+        let is_function = external.elements().is_none();
+        let is_known = found.iter().any(|table| table.id == id);
+        if !is_known && (!is_function || external.modelica("f").is_some()) {
+            found.push(Table { id, is_function });
         }
     }
     found
@@ -126,7 +138,7 @@ fn has_equalities(flat: &FlatModel) -> bool {
     flat.graph.any(roots, |e, _| found(e))
 }
 
-/// The name of the constant that holds a table.
+/// The name of the constant that holds a table, or of the function that it is.
 fn table_name(k: usize) -> String {
     format!("'$table{}'", k + 1)
 }
@@ -155,23 +167,24 @@ fn used_enumerations(flat: &FlatModel) -> Vec<EnumId> {
 struct ModelPrinter<'a> {
     flat: &'a FlatModel,
     implicit: &'a FastSet<VarId>,
-    tables: &'a [ExternalId],
+    tables: &'a [Table],
     out: String,
 }
 
-/// Prints an element of a table, given a printer for its subscript.
+/// Prints an element of a table, given a printer for its subscript or argument.
 pub(super) fn element(
-    tables: &[ExternalId],
+    tables: &[Table],
     node: Node,
     out: &mut String,
     subscript: &mut dyn FnMut(ExprId, &mut String),
 ) -> bool {
     let Node::Unary(Unary::External(f), a) = node else { return false };
-    let Some(k) = tables.iter().position(|t| *t == f) else { return false };
+    let Some(k) = tables.iter().position(|t| t.id == f) else { return false };
+    let [open, close] = if tables[k].is_function { ['(', ')'] } else { ['[', ']'] };
     out.push_str(&table_name(k));
-    out.push('[');
+    out.push(open);
     subscript(a, out);
-    out.push(']');
+    out.push(close);
     true
 }
 
@@ -189,8 +202,12 @@ impl ModelPrinter<'_> {
             let literals = literals.join(", ");
             self.push(&["  type ", &quoted(&ty.name), " = enumeration(", &literals, ");\n"]);
         }
-        for (k, f) in self.tables.iter().enumerate() {
-            let Some((all, whole)) = flat.graph.externals().get(*f).elements() else { continue };
+        for (k, table) in self.tables.iter().enumerate() {
+            let external = flat.graph.externals().get(table.id);
+            let Some((all, whole)) = external.elements() else {
+                external.modelica(&table_name(k)).iter().for_each(|text| self.push(&[text]));
+                continue;
+            };
             let literal = |x: &f64| if whole { format!("{x}") } else { real_literal(*x) };
             let ty = if whole { "Integer" } else { "Real" };
             let list: Vec<String> = all.iter().map(literal).collect();
