@@ -3,7 +3,9 @@
 //! A class with connectors or inputs is a component: it is flattened and its equations are counted;
 //! anything that depends on its surroundings (values of parameters, the source of its potentials) is left
 //! open. A class without them is a system: it goes through all stages before simulation. Since each
-//! component is counted by itself, a file is checked locally and globally (MLS 3.6, section 4.7).
+//! component is counted by itself, a file is checked locally and globally (MLS 3.6, section 4.7). Of a class that does
+//! not run by itself (a partial one, a record, a connector, a package, one inside another class) names and types are
+//! checked.
 
 use super::compile::{CompileError, Request, Session};
 use super::subject::{find_in, model, models};
@@ -110,7 +112,10 @@ impl Session {
             if runs.contains(&name) {
                 one(&mut cx, class);
             } else if is_function(&cx, class) {
-                read(&mut cx, class);
+                names_and_types(&mut cx, |cx| cx.read_function(class));
+            } else if has_components(&cx, class) {
+                cx.surrounded = true;
+                names_and_types(&mut cx, |cx| drop(crate::flatten::flatten(cx, class, &[])));
             }
             let components = STEPS_PER_COMPONENT * cx.instances.len() as u64;
             work += copied + cx.budget.work + STEPS_PER_CALL * cx.budget.calls + components;
@@ -119,9 +124,10 @@ impl Session {
                 self.add(problems);
                 break;
             }
-            // All of its errors may follow from the missing outer component.
-            if !problems.iter().any(lacks_inner) {
-                self.add(problems);
+            match problems.iter().any(lacks_inner) {
+                // Others may follow from the missing outer component.
+                true => self.add(those_of_names_and_types(&problems)),
+                false => self.add(problems),
             }
         }
         if self.problems.has_errors() { Err(CompileError::Model) } else { Ok(()) }
@@ -145,27 +151,42 @@ fn is_function(cx: &Evaluator<'_>, class: ClassId) -> bool {
         && !composition.algorithms.is_empty()
 }
 
-/// Checks names and types in a function, for any arguments. Other diagnostics may hold only for the sizes
-/// assumed here, and are dropped.
-fn read(cx: &mut Evaluator<'_>, class: ClassId) {
-    let before: Vec<Diagnostic> = cx.problems.iter().cloned().collect();
-    cx.read_function(class);
-    let reported: Vec<Diagnostic> = cx.problems.iter().skip(before.len()).cloned().collect();
-    *cx.problems = Problems::new();
-    for d in before.into_iter().chain(reported.into_iter().filter(holds_for_all_arguments)) {
-        cx.problems.push(d);
+/// Any other class than a function and a short one; a package only if it has constants.
+fn has_components(cx: &Evaluator<'_>, class: ClassId) -> bool {
+    let Some(text) = cx.definition(class) else { return false };
+    let ClassBody::Long(composition) = &text.body else { return false };
+    let is_component = |e: &ast::Element| matches!(e.kind, ElementKind::Components(_));
+    match text.kind {
+        ClassKind::Function { .. } | ClassKind::Type => false,
+        ClassKind::Package => composition.elements.iter().any(is_component),
+        _ => true,
     }
 }
 
-/// Full names of the classes of a file, including those in its packages.
+/// Checks names and types in what holds for any arguments, or for any surroundings. Other diagnostics may hold only for the
+/// sizes and values assumed here, and are dropped.
+fn names_and_types(cx: &mut Evaluator<'_>, read: impl FnOnce(&mut Evaluator<'_>)) {
+    let before = std::mem::replace(cx.problems, Problems::new());
+    read(cx);
+    let reported = those_of_names_and_types(cx.problems);
+    *cx.problems = before;
+    cx.problems.extend(reported);
+}
+
+/// The problems that hold for all arguments and surroundings.
+fn those_of_names_and_types(problems: &Problems) -> Problems {
+    let mut own = Problems::new();
+    problems.iter().filter(|d| holds_for_all_arguments(d)).for_each(|d| own.push(d.clone()));
+    own
+}
+
+/// Full names of the classes of a file, including those in other classes.
 fn classes(file: &ast::File) -> Vec<String> {
     let mut out = Vec::new();
     let mut stack: Vec<(String, &ast::Class)> =
         file.classes.iter().rev().map(|c| (c.name.name.to_string(), &**c)).collect();
     while let Some((name, class)) = stack.pop() {
-        if class.kind == ClassKind::Package
-            && let ClassBody::Long(composition) = &class.body
-        {
+        if let ClassBody::Long(composition) = &class.body {
             for element in composition.elements.iter().rev() {
                 if let ElementKind::Class(c) = &element.kind {
                     stack.push((format!("{name}.{}", c.name.name), c));

@@ -11,6 +11,7 @@ use crate::base::diag::Diagnostic;
 use crate::classes::cause::ClassCause;
 use crate::rules::cause::element::ElementCause;
 use array::ArrayCause;
+use call::CallCause;
 use name::NameCause;
 use types::TypeCause;
 
@@ -28,6 +29,15 @@ pub fn holds_for_all_arguments(d: &Diagnostic) -> bool {
                     | ClassCause::NothingToExtend { .. }
                     | ClassCause::ComponentAsClass { .. }
                     | ClassCause::UnknownElement { .. }
+            )
+        })
+        || d.is(|cause: &CallCause| {
+            matches!(
+                cause,
+                CallCause::WrongArguments { .. }
+                    | CallCause::MissingArgument { .. }
+                    | CallCause::ArgumentTwice { .. }
+                    | CallCause::UnknownArgument { .. }
             )
         })
         || d.is(|cause: &ElementCause| matches!(cause, ElementCause::InputAssigned { .. }))

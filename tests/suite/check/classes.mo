@@ -95,6 +95,72 @@ package Uncalled
 end Uncalled;
 //@ expect messages lacks "v[3]"
 
+//@ case classes_that_do_not_run
+//@ check
+// Names and types are checked in every class. What may follow from what others supply is left open.
+package Parts
+  //@ error[MO0202] 21-25
+  constant Real c = nope1;
+
+  partial model Base
+    replaceable package Medium = Fluid;
+    parameter Real p;
+    Real state[Medium.n];
+    //@ error[MO0202] 14-18
+    Real x = nope2;
+  end Base;
+
+  partial package Fluid
+    constant Integer n;
+  end Fluid;
+
+  record Data
+    //@ error[MO0202] 14-18
+    Real a = nope3;
+  end Data;
+
+  connector Pin
+    Real v;
+    flow Real i;
+    //@ error[MO0201] 5-8
+    Nope x;
+  end Pin;
+
+  model Around
+    model Inner
+      //@ error[MO0202] 16-20
+      Real x = nope4;
+    end Inner;
+    Real y = time;
+  end Around;
+
+  function outer_call
+    input Real u;
+    output Real y;
+  algorithm
+    //@ error[MO0219] 10-18
+    y := one(u, 2);
+  end outer_call;
+
+  function one
+    input Real u;
+    output Real y = u;
+  end one;
+
+  model Pendulum "Its world is elsewhere"
+    outer World world;
+    Real x(start = 1, fixed = true);
+  equation
+    //@ error[MO0202] 15-19
+    der(x) = -nope5*x + world.g;
+  end Pendulum;
+
+  model World
+    parameter Real g = 9.81;
+  end World;
+end Parts;
+//@ expect messages lacks "Medium"
+
 //@ case protected_inputs_and_open_parameters
 //@ check
 //@ expect accepted
