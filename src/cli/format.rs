@@ -2,7 +2,7 @@
 
 use super::args::inspect::Format;
 use super::args::model::is_standard;
-use super::{Status, print, standard_input, style};
+use super::{Status, print, print_result, standard_input, style};
 use crate::base::render::render_all;
 use crate::base::source::SourceMap;
 use crate::format::{FormatError, format};
@@ -32,7 +32,7 @@ pub fn run(options: &Format) -> Status {
         };
         let id = sources.add(path, text.as_str());
         match format(id, &text) {
-            Ok(ordered) if is_standard && !options.check => meet(print(&ordered)),
+            Ok(ordered) if is_standard && !options.check => meet(print_result(&ordered)),
             Ok(ordered) if ordered == text => {}
             Ok(_) if options.check => {
                 changed.push_str(&format!("{}\n", path.display()));

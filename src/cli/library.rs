@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::args::project::{Library, LibraryCommand};
-use super::{Status, modelica_path, print};
+use super::{Status, modelica_path, print, print_result};
 use crate::base::diag::did_you_mean;
 use crate::driver::catalogue::{Listed, list, shipped, show};
 use crate::driver::compile::Request;
@@ -23,13 +23,13 @@ pub fn run(options: &Library) -> Status {
         LibraryCommand::List { package } => {
             let package = package.as_deref().unwrap_or_default();
             match list(&request, package) {
-                Some(classes) => print(&table(&classes)),
+                Some(classes) => print_result(&table(&classes)),
                 None => refused(&unknown(&request, package)),
             }
         }
         LibraryCommand::Show { class } => match show(&request, class) {
             Some(shown) => {
-                print(&format!("// {}:{}\n{}", shown.path.display(), shown.line, shown.text))
+                print_result(&format!("// {}:{}\n{}", shown.path.display(), shown.line, shown.text))
             }
             None => refused(&unknown(&request, class)),
         },

@@ -55,7 +55,7 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
-use crate::base::diag::Problems;
+use crate::base::diag::{Problems, Severity};
 use crate::base::render::{Style, render_all, visible};
 use crate::base::source::SourceMap;
 use crate::driver::compile::{CompileError, Session};
@@ -269,9 +269,13 @@ fn say(session: &Session) {
     say_problems(&session.problems, &session.sources);
 }
 
-/// Writes diagnostics to the standard error, in colours on a terminal.
+/// Writes diagnostics to the standard error, in colours on a terminal; no warnings where nothing but errors is wanted.
 fn say_problems(problems: &Problems, sources: &SourceMap) {
-    eprint!("{}", render_all(problems, sources, style()));
+    let mut shown = Problems::new();
+    let is_quiet = QUIET.load(std::sync::atomic::Ordering::Relaxed);
+    let all = problems.iter().filter(|d| !is_quiet || d.severity == Severity::Error);
+    all.for_each(|d| shown.push(d.clone()));
+    eprint!("{}", render_all(&shown, sources, style()));
     explain::remember(problems.sorted());
     let errors = problems.error_count();
     if errors > 1 {
@@ -283,6 +287,24 @@ fn say_problems(problems: &Problems, sources: &SourceMap) {
 fn print(text: &str) -> Status {
     use std::io::IsTerminal;
     if std::io::stdout().is_terminal() { print_styled(&visible(text)) } else { print_styled(text) }
+}
+
+/// Writes the text that a command is asked for, such as a flat model, however little else it is to print.
+fn print_result(text: &str) -> Status {
+    use std::io::IsTerminal;
+    let is_terminal = std::io::stdout().is_terminal();
+    let written = if is_terminal {
+        print_bytes(visible(text).as_bytes())
+    } else {
+        print_bytes(text.as_bytes())
+    };
+    match written {
+        Ok(()) => Status::Done,
+        Err(why) => {
+            eprintln!("error: {why}");
+            Status::Usage
+        }
+    }
 }
 
 /// As [`print`], for a text that may hold escape codes. A reader that closes the pipe early is not an

@@ -53,9 +53,13 @@ fn create(options: &New) -> Result<String, String> {
     ))
 }
 
+/// Names that every model uses, and the library of others: a model of such a name would hide them.
+const TAKEN: [&str; 5] = ["Real", "Integer", "Boolean", "String", "Modelica"];
+
 /// `ServoValve` for `servo_valve`, and `ThermalModel` for `thermal`: a model would hide the package of its name.
 fn model_name(stem: &str) -> String {
     let parts = stem.split(['_', '-']).filter(|part| !part.is_empty());
     let name: String = parts.map(|part| part[..1].to_ascii_uppercase() + &part[1..]).collect();
-    if is_shipped(&name) { name + "Model" } else { name }
+    let is_taken = is_shipped(&name) || TAKEN.contains(&name.as_str());
+    if is_taken { name + "Model" } else { name }
 }

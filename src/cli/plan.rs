@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::args::model::is_standard;
 use super::args::study::PlanSkeleton;
-use super::{Status, print, say};
+use super::{Status, print, print_result, say};
 use crate::calibrate::skeleton::skeleton;
 use crate::driver::compile::Session;
 use crate::driver::files::tables;
@@ -31,8 +31,8 @@ pub fn run(options: &PlanSkeleton) -> Status {
             Status::Usage
         }
         Ok(text) => match &options.output {
-            None => print(&text),
-            Some(path) if is_standard(path) => print(&text),
+            None => print_result(&text),
+            Some(path) if is_standard(path) => print_result(&text),
             Some(path) if path.exists() => {
                 eprintln!("error: {} exists already; choose another name", path.display());
                 Status::Usage

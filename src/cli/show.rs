@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::args::inspect::{Flatten, Structure};
-use super::{Status, print, say, write_result};
+use super::{Status, print, print_result, say, write_result};
 use crate::base::diag::Diagnostic;
 use crate::driver::cause::RequestCause;
 use crate::driver::compile::{Request, Session};
@@ -38,7 +38,8 @@ pub fn flatten(options: &Flatten) -> Status {
     say(&session);
     match fragments {
         Ok(fragments) => {
-            let failed = fragments.iter().map(|piece| print(piece)).find(|s| *s != Status::Done);
+            let failed =
+                fragments.iter().map(|piece| print_result(piece)).find(|s| *s != Status::Done);
             failed.unwrap_or(Status::Done)
         }
         Err(status) => status,
@@ -54,7 +55,7 @@ pub fn structure(options: &Structure) -> Status {
     match blocks {
         Ok(mut blocks) => {
             let status = if options.dot.is_none() && options.svg.is_none() {
-                print(&crate::structure::print::print(&blocks, &session.sources))
+                print_result(&crate::structure::print::print(&blocks, &session.sources))
             } else {
                 draw(options, &diagram(&blocks))
             };

@@ -64,7 +64,7 @@ pub struct Format {
     /// Write nothing; list the files that would change, and exit with status 1 if there are any.
     #[arg(long)]
     pub check: bool,
-    /// Print nothing but errors.
+    /// Print the result and errors only.
     #[arg(long, short)]
     pub quiet: bool,
 }
@@ -75,7 +75,7 @@ pub struct Flatten {
     /// The model.
     #[command(flatten)]
     pub model: Model,
-    /// Print nothing but errors.
+    /// Print the result and errors only.
     #[arg(long, short)]
     pub quiet: bool,
 }
@@ -92,7 +92,7 @@ pub struct Structure {
     /// Write the blocks and their dependencies as a Graphviz graph instead; `-` prints it.
     #[arg(long, value_name = "PATH", value_parser = graph)]
     pub dot: Option<PathBuf>,
-    /// Print nothing but errors.
+    /// Print the result and errors only.
     #[arg(long, short)]
     pub quiet: bool,
 }

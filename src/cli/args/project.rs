@@ -81,7 +81,7 @@ pub struct Library {
     /// Folder with libraries, in addition to MODELICAPATH and the shipped library; repeatable.
     #[arg(long = "lib", value_name = "DIR", global = true)]
     pub folders: Vec<PathBuf>,
-    /// Print nothing but errors.
+    /// Print the result and errors only.
     #[arg(long, short, global = true)]
     pub quiet: bool,
 }

@@ -26,7 +26,7 @@ pub struct PlanSkeleton {
     /// Folder with libraries, in addition to MODELICAPATH and the shipped library; repeatable.
     #[arg(long = "lib", value_name = "DIR")]
     pub folders: Vec<PathBuf>,
-    /// Print nothing but errors.
+    /// Print the result and errors only.
     #[arg(long, short)]
     pub quiet: bool,
 }
