@@ -19,7 +19,7 @@ equation
   tau = -c*noEvent(max(-b, min(b, phi_rel - phi_0))) - d*loose*w_rel;
 
   annotation(__mocc(
-    effect   = "amplitude=c>0,d>0; b=0.02*span(phi_rel),0.05*span(phi_rel),0.15*span(phi_rel); phi_0=0",
+    effect   = "series=true; amplitude=c>0,d>0; b=0.02*span(phi_rel),0.05*span(phi_rel),0.15*span(phi_rel); phi_0=0",
     law      = "tau = -c max(-b, min(b, phi_rel - phi_0)) - d w_rel within the play",
     explains = "%at has play."));
 end Backlash;

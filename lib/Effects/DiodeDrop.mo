@@ -14,7 +14,7 @@ equation
   i = -G*(if side > 0 then noEvent(min(v, V)) else noEvent(max(v, -V)));
 
   annotation(__mocc(
-    effect   = "amplitude=G>0; side=-1,1; V=0.03*max(size_of_v),0.1*max(size_of_v),0.3*max(size_of_v)",
+    effect   = "series=true; amplitude=G>0; side=-1,1; V=0.03*max(size_of_v),0.1*max(size_of_v),0.3*max(size_of_v)",
     law      = "i = -G min(v, V) for currents from p to n",
     explains = "A diode in series with %at passes current in one direction only, and takes its forward voltage."));
 end DiodeDrop;

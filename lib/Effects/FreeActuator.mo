@@ -14,6 +14,6 @@ equation
   annotation(__mocc(
     effect   = "acts=y; amplitude=f; u_lo=min(u); u_hi=max(u)",
     law      = "y = u + f(u)",
-    formula  = "extends=PartialActuator; knots=f; over=u; from=u_lo; to=u_hi; equation=y = u + F(u)",
+    formula  = "extends=PartialActuator; knots=f; count=n; over=u; from=u_lo; to=u_hi; equation=y = u + F(u)",
     explains = "The signal %at acts by a law that is not known in advance."));
 end FreeActuator;

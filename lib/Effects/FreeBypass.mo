@@ -14,6 +14,6 @@ equation
   annotation(__mocc(
     effect   = "amplitude=F; de_lo=min(de); de_hi=max(de)",
     law      = "f = F(de)",
-    formula  = "extends=PartialBypass; knots=F; over=de; from=de_lo; to=de_hi; equation=f = F(de)",
+    formula  = "extends=PartialBypass; knots=F; count=n; over=de; from=de_lo; to=de_hi; equation=f = F(de)",
     explains = "A flow passes %at that depends on the difference of the potentials by a law that is not known in advance."));
 end FreeBypass;

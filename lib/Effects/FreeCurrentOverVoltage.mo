@@ -14,6 +14,6 @@ equation
   annotation(__mocc(
     effect   = "amplitude=I; v_lo=min(v); v_hi=max(v)",
     law      = "i = I(v)",
-    formula  = "extends=PartialBranch; knots=I; over=v; from=v_lo; to=v_hi; equation=i = F(v)",
+    formula  = "extends=PartialBranch; knots=I; count=m; over=v; from=v_lo; to=v_hi; equation=i = F(v)",
     explains = "A current flows past %at that depends on its voltage alone, by a law that is not known in advance."));
 end FreeCurrentOverVoltage;

@@ -21,6 +21,6 @@ equation
   annotation(__mocc(
     effect   = "amplitude=Q; dp_lo=min(size_of_dp); dp_hi=max(size_of_dp)",
     law      = "m_flow = sign(dp) Q(|dp|)",
-    formula  = "extends=PartialLeak; knots=Q; over=dp; from=dp_lo; to=dp_hi; zero=true; equation=m_flow = noEvent(sign(dp))*F(noEvent(abs(dp)))",
+    formula  = "extends=PartialLeak; knots=Q; count=n; over=dp; from=dp_lo; to=dp_hi; zero=true; equation=m_flow = noEvent(sign(dp))*F(noEvent(abs(dp)))",
     explains = "Air flows past %at by a law that is not known in advance."));
 end FreeFlow;

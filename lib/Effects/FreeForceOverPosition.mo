@@ -14,6 +14,6 @@ equation
   annotation(__mocc(
     effect   = "amplitude=F; s_lo=min(s); s_hi=max(s)",
     law      = "f = F(s)",
-    formula  = "extends=PartialForce; knots=F; over=s; from=s_lo; to=s_hi; equation=f = F(s)",
+    formula  = "extends=PartialForce; knots=F; count=n; over=s; from=s_lo; to=s_hi; equation=f = F(s)",
     explains = "A force that depends on position alone acts on %at, by a law that is not known in advance."));
 end FreeForceOverPosition;

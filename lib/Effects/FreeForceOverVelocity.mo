@@ -14,6 +14,6 @@ equation
   annotation(__mocc(
     effect   = "amplitude=F; v_hi=max(speed)",
     law      = "|f| = F(|v|) while sliding",
-    formula  = "extends=PartialFriction; knots=F; over=speed; to=v_hi; equation=f_slide = F(speed); equation=f_static = F(0)",
+    formula  = "extends=PartialFriction; knots=F; count=n; over=speed; to=v_hi; equation=f_slide = F(speed); equation=f_static = F(0)",
     explains = "Friction that depends on speed alone acts on %at, by a law that is not known in advance."));
 end FreeForceOverVelocity;

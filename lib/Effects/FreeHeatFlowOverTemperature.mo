@@ -14,6 +14,6 @@ equation
   annotation(__mocc(
     effect   = "amplitude=P; T_lo=min(T); T_hi=max(T)",
     law      = "Q_flow = P(T)",
-    formula  = "extends=PartialHeat; knots=P; over=T; from=T_lo; to=T_hi; equation=Q_flow = F(T)",
+    formula  = "extends=PartialHeat; knots=P; count=n; over=T; from=T_lo; to=T_hi; equation=Q_flow = F(T)",
     explains = "%at receives heat that depends on its temperature alone, by a law that is not known in advance."));
 end FreeHeatFlowOverTemperature;

@@ -14,6 +14,6 @@ equation
   annotation(__mocc(
     effect   = "amplitude=F; e_lo=min(e); e_hi=max(e)",
     law      = "f = F(e)",
-    formula  = "extends=PartialOutflow; knots=F; over=e; from=e_lo; to=e_hi; equation=f = F(e)",
+    formula  = "extends=PartialOutflow; knots=F; count=n; over=e; from=e_lo; to=e_hi; equation=f = F(e)",
     explains = "A flow leaves the model at %at that depends on the potential by a law that is not known in advance."));
 end FreeOutflow;

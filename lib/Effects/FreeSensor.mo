@@ -14,6 +14,6 @@ equation
   annotation(__mocc(
     effect   = "amplitude=f; u_lo=min(u); u_hi=max(u)",
     law      = "y = u + f(u)",
-    formula  = "extends=PartialSensor; knots=f; over=u; from=u_lo; to=u_hi; equation=y = u + F(u)",
+    formula  = "extends=PartialSensor; knots=f; count=n; over=u; from=u_lo; to=u_hi; equation=y = u + F(u)",
     explains = "The sensor of %at reads by a law that is not known in advance."));
 end FreeSensor;

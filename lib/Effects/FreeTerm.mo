@@ -14,6 +14,6 @@ equation
   annotation(__mocc(
     effect   = "adds=term; amplitude=f; x_lo=min(x); x_hi=max(x)",
     law      = "f(x)",
-    formula  = "extends=PartialTermOver; knots=f; over=x; from=x_lo; to=x_hi; equation=term = F(x)",
+    formula  = "extends=PartialTermOver; knots=f; count=n; over=x; from=x_lo; to=x_hi; equation=term = F(x)",
     explains = "The equation of %at lacks a term that depends on %over by a law that is not known in advance."));
 end FreeTerm;

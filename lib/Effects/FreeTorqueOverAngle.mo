@@ -14,6 +14,6 @@ equation
   annotation(__mocc(
     effect   = "amplitude=M; phi_lo=min(phi); phi_hi=max(phi)",
     law      = "tau = M(phi)",
-    formula  = "extends=PartialTorque; knots=M; over=phi; from=phi_lo; to=phi_hi; equation=tau = F(phi)",
+    formula  = "extends=PartialTorque; knots=M; count=n; over=phi; from=phi_lo; to=phi_hi; equation=tau = F(phi)",
     explains = "A torque that depends on the angle alone acts on %at, by a law that is not known in advance."));
 end FreeTorqueOverAngle;

@@ -13,6 +13,6 @@ equation
   annotation(__mocc(
     effect   = "amplitude=M; delta=1e-5*span(phi); w_hi=max(speed)",
     law      = "tau = -M(|w|) z",
-    formula  = "extends=PartialDryFriction; knots=M; over=speed; to=w_hi; equation=tau = -z*F(speed)",
+    formula  = "extends=PartialDryFriction; knots=M; count=n; over=speed; to=w_hi; equation=tau = -z*F(speed)",
     explains = "A torque that depends on the speed alone brakes %at, by a law that is not known in advance."));
 end FreeTorqueOverSpeed;

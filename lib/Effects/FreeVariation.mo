@@ -15,6 +15,6 @@ equation
   annotation(__mocc(
     effect   = "varies=factor; amplitude=f; x_lo=min(x); x_hi=max(x)",
     law      = "1 + f(x)",
-    formula  = "extends=PartialVariation; knots=f; over=x; from=x_lo; to=x_hi; anchored=true; equation=factor = 1 + F(x)",
+    formula  = "extends=PartialVariation; knots=f; count=n; over=x; from=x_lo; to=x_hi; anchored=true; equation=factor = 1 + F(x)",
     explains = "The value of %at varies with %over by a law that is not known in advance."));
 end FreeVariation;

@@ -12,7 +12,7 @@ equation
   i = a*psi^3;
 
   annotation(__mocc(
-    effect   = "amplitude=a>0",
+    effect   = "series=true; amplitude=a>0",
     law      = "i = a psi^3",
     explains = "The iron of %at saturates."));
 end InductorSaturation;

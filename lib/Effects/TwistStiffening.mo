@@ -10,7 +10,7 @@ equation
   tau = c_3*phi_rel^3;
 
   annotation(__mocc(
-    effect   = "amplitude=c_3",
+    effect   = "series=true; amplitude=c_3",
     law      = "tau = c_3 phi_rel^3",
     explains = "%at stiffens with its twist."));
 end TwistStiffening;

@@ -12,7 +12,7 @@ equation
   i = -G*noEvent(max(-V, min(V, v)));
 
   annotation(__mocc(
-    effect   = "amplitude=G>0; V=0.03*max(size_of_v),0.1*max(size_of_v),0.3*max(size_of_v)",
+    effect   = "series=true; amplitude=G>0; V=0.03*max(size_of_v),0.1*max(size_of_v),0.3*max(size_of_v)",
     law      = "i = -G max(-V, min(V, v))",
     explains = "A constant voltage is lost at %at in either direction, as at a contact."));
 end VoltageDrop;

@@ -24,10 +24,14 @@ package Effects "Physical effects that a model may lack"
   //   with has_line=true    a class that has the effect built in: the override that makes it part of the model
   //   varies=factor         parameters of the model are multiplied by this variable of the effect, whose first input is
   //                         bound to each variable that they may vary with, of its unit if it has one
+  //   follows=line          such an effect is tried for the two parameters only that a law without this entry suits best
+  //   series=true           the effect and its host together are another law of the host: a sensor of the host's flow reads
+  //                         what flows through both
   //   adds=term             this variable of the effect is added to an equation of the model that determines the rate of a
   //                         state or a measured variable. The inputs of the effect are bound to variables of the model of
   //                         their units; an input without a unit, to any
   //   of=state              the input is bound to that state only; of a measured variable, to any
+  //   of=term               the input is bound to each term that the equation has
   //   acts=y                equations of the model read this variable of the effect in place of a signal, to which the
   //                         first input of the effect is bound: an input of the model, an output of a component, or a
   //                         variable that an equation of the model is solved for
@@ -44,6 +48,7 @@ package Effects "Physical effects that a model may lack"
   // An entry `formula` of a free curve tells how a short formula takes its place where the recordings support one:
   //   extends=PartialLeak   the class of the same package that the law extends
   //   knots=Q               the amplitudes that are the values of the curve
+  //   count=n               the parameter that is their number: a curve that leaves something gets more of them
   //   over=dp               the variable of that class that it depends on
   //   from=v_lo; to=v_hi    the parameters that are its first and its last knot; without `from`, the curve begins at 0
   //   zero=true             the curve passes through 0 at 0, and its first knot is at least one n-th of the last

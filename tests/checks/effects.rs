@@ -144,15 +144,22 @@ fn a_run_has_derivatives_by_every_amplitude_at_zero() {
             let is = |name: &str| variables.enumerate().any(|(_, v)| v.name == name);
             let input = if is(&whole) { whole } else { first };
             let run = compiled.differentiate(&[input.as_str()]);
-            let observed =
-                match ["Sensor", "ActuatorLag", "PartialLag", "Rate", "ActuatorHysteresis"]
-                    .iter()
-                    .any(|n| effect.name.contains(n))
-                {
-                    true => "effect.y",
-                    false if is("observed") => "observed",
-                    false => "s",
-                };
+            let observed = match [
+                "Sensor",
+                "ActuatorLag",
+                "PartialLag",
+                "Rate",
+                "ActuatorHysteresis",
+                "ActuatorBacklash",
+                "EmptyStore",
+            ]
+            .iter()
+            .any(|n| effect.name.contains(n))
+            {
+                true => "effect.y",
+                false if is("observed") => "observed",
+                false => "s",
+            };
             let slopes = run.by(0, observed);
             assert!(slopes.iter().all(|x| x.is_finite()), "{}", effect.name);
             assert!(slopes.iter().any(|x| *x != 0.0), "{}: {input} changes nothing", effect.name);
@@ -186,8 +193,10 @@ fn annotations_name_existing_elements() {
             let names = names.strip_prefix("with ").unwrap_or(names);
             match names {
                 "amplitude" | "named" => {}
-                "of" => assert_eq!(values, "state", "{}", effect.name),
+                "of" => assert!(["state", "term"].contains(&values), "{}", effect.name),
                 "order" => assert_eq!(values, "first", "{}", effect.name),
+                "follows" => assert_eq!(values, "line", "{}", effect.name),
+                "series" => assert_eq!(values, "true", "{}", effect.name),
                 "varies" | "acts" | "adds" | "starts" => {
                     assert!(is_there(values), "{}: {values}", effect.name)
                 }

@@ -306,6 +306,20 @@ package EffectTests
       annotation(experiment(StopTime = 0.1, Tolerance = 1e-9));
     end LuGrePresliding;
 
+    model BoucWenHysteresis
+      extends Check(n = 2);
+      // Backwards from a force forwards: as stiff as from rest with b = 1/2, and twice as stiff near z = 1 with b = 1.
+      Translational.ConstantSpeed drive(v_0 = -1e-3);
+      Effects.BoucWenHysteresis effect(F = 3, delta = 1e-5, z(start = 0.5));
+      Effects.BoucWenHysteresis dahl(F = 3, delta = 1e-5, b = 1, z(start = 0.5));
+    equation
+      connect(effect.flange, drive.flange);
+      connect(dahl.flange, drive.flange);
+      found = {effect.f, dahl.f};
+      exact = {-3*(0.5 - 100*time), -3*(1.5*exp(-100*time) - 1)};
+      annotation(experiment(StopTime = 0.004, Tolerance = 1e-9));
+    end BoucWenHysteresis;
+
     model FreeForceOverPosition
       extends OnMass(s_0 = 0.1);
       // Values on a straight line make a spring.
@@ -761,6 +775,50 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
     end ArrheniusVariation;
 
+    model SaturationVariation
+      extends Check;
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+      Effects.SaturationVariation effect(k = 4, m = 1.5, x = time, x_0 = 2);
+    equation
+      der(T) = -k*T;
+      found = {T};
+      exact = {exp(-2*time/sqrt(1 + time^2))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end SaturationVariation;
+
+    model WaveVariation
+      extends Check;
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+      Effects.WaveVariation effect(A = 0.3, B = 0.2, x = time, L = 2);
+      constant Real pi = 3.14159265358979324;
+    equation
+      der(T) = -k*T;
+      found = {T};
+      exact = {exp(-2*(0.8*time + 0.3*(1 - cos(pi*time))/pi + 0.2*sin(pi*time)/pi))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end WaveVariation;
+
+    model LaggedVariation
+      extends Check;
+      Effects.LaggedVariation effect(a = 0.5, tau = 0.2, x = time, x_lo = 0, x_hi = 2);
+    equation
+      found = {effect.factor};
+      exact = {1 + 0.25*(time - 0.2*(1 - exp(-time/0.2)))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-10));
+    end LaggedVariation;
+
+    model HeatingVariation
+      extends Check;
+      Effects.HeatingVariation effect(a = 0.125, tau = 0.2, x = -2);
+    equation
+      found = {effect.factor};
+      // (x/x_0)^2 = 4, so a halves the rate at which z settles, and z settles at 8.
+      exact = {1 + (1 - exp(-0.5*time/0.2))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-10));
+    end HeatingVariation;
+
     model FreeVariation
       extends Check;
       // Knots on a straight line.
@@ -808,6 +866,24 @@ package EffectTests
       exact = {exp(-2*time + 1.5*time^2)};
       annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(T) = effect.term"));
     end ProductTerm;
+
+    model LateTerm
+      extends Equation;
+      Effects.LateTerm effect(T = 0.5, T_min = 0, x = -k*T);
+    equation
+      found = {T};
+      exact = {exp(-time)*(cos(sqrt(3)*time) - sin(sqrt(3)*time)/sqrt(3))};
+      annotation(experiment(StopTime = 3, Tolerance = 1e-10), __mocc(adds = "der(T) = effect.term"));
+    end LateTerm;
+
+    model StoredTerm
+      extends Equation;
+      Effects.StoredTerm effect(T = 0.5, T_min = 0, x = -k*T);
+    equation
+      found = {T};
+      exact = {exp(-time)*(cos(sqrt(3)*time) + sin(sqrt(3)*time)/sqrt(3))};
+      annotation(experiment(StopTime = 3, Tolerance = 1e-10), __mocc(adds = "der(T) = effect.term"));
+    end StoredTerm;
 
     model FreeTerm
       extends Equation;
@@ -959,6 +1035,17 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end ActuatorLag;
 
+    model ActuatorEmptyStore
+      extends Check(n = 2);
+      // T_min makes the lag longer where it is not short.
+      Effects.ActuatorEmptyStore effect(T = 0.2, T_min = 0, u = 2);
+      Effects.ActuatorEmptyStore blurred(T = 0.03, T_min = 0.04, u = 2);
+    equation
+      found = {effect.y, blurred.y};
+      exact = {2*(1 - exp(-time/0.2)), 2 - 1.2*exp(-time/0.05)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-10));
+    end ActuatorEmptyStore;
+
     model ActuatorPartialLag
       extends Check(n = 2);
       // A ramp acts T late; with T = tau it is the lag of first order.
@@ -1004,6 +1091,19 @@ package EffectTests
       exact = {if time < 1 then u - 0.02*(1 - exp(-u/0.1)) else u - 0.02*(-1 + (1 + z_1)*exp(-(time - 1)/0.1))};
       annotation(experiment(StopTime = 2, Tolerance = 1e-9));
     end ActuatorHysteresis;
+
+    model ActuatorBacklash
+      extends Check;
+      Real x(start = 0, fixed = true) "A ramp, as a state";
+      Effects.ActuatorBacklash effect(h = 0.02, w = 0.1, u = x);
+      Real z = (x - effect.y)/0.02;
+    equation
+      der(x) = 1;
+      // The integral of dz/(1 - z^19), as a series.
+      found = {z + z^20/20 + z^39/39 + z^58/58 + z^77/77 + z^96/96};
+      exact = {time/0.1};
+      annotation(experiment(StopTime = 0.088, Tolerance = 1e-10));
+    end ActuatorBacklash;
 
     model FreeActuator
       extends Check;
@@ -1606,6 +1706,20 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-9));
     end ConvectionExchange;
 
+    model FreeHeatExchange
+      extends Check;
+      Thermal.HeatCapacity body(C = 10, T_start = 400);
+      Thermal.HeatCapacity other(C = 5, T_start = 300);
+      // Knots on a straight line.
+      Effects.FreeHeatExchange effect(Q = 60*{0, 1, 2, 3, 4, 5, 6}, dT_hi = 120);
+    equation
+      connect(effect.port_a, body.port);
+      connect(effect.port_b, other.port);
+      found = {effect.dT};
+      exact = {100*exp(-3*(1/10 + 1/5)*time)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+    end FreeHeatExchange;
+
     model RadiationExchange
       extends Check;
       Thermal.HeatCapacity body(C = 10, T_start = 400);
@@ -1899,6 +2013,13 @@ package EffectTests
       connect(effect.flange, spool.flange);
     end LuGrePresliding;
 
+    model BoucWenHysteresis
+      extends Base;
+      Effects.BoucWenHysteresis effect;
+    equation
+      connect(effect.flange, spool.flange);
+    end BoucWenHysteresis;
+
     model FreeForceOverPosition
       extends Base;
       Effects.FreeForceOverPosition effect(s_lo = 0, s_hi = 3.5e-3);
@@ -2121,6 +2242,30 @@ package EffectTests
       annotation(__mocc(varies = "spring.c = effect.factor"));
     end ArrheniusVariation;
 
+    model SaturationVariation
+      extends Base;
+      Effects.SaturationVariation effect(x = s, x_0 = 3.5e-3);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end SaturationVariation;
+
+    model WaveVariation
+      extends Base;
+      Effects.WaveVariation effect(x = s, L = 3.5e-3);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end WaveVariation;
+
+    model LaggedVariation
+      extends Base;
+      Effects.LaggedVariation effect(x = s, x_hi = 3.5e-3, tau = 0.01);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end LaggedVariation;
+
+    model HeatingVariation
+      extends Base;
+      Effects.HeatingVariation effect(x = s, x_0 = 3.5e-3, tau = 0.01);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end HeatingVariation;
+
     model FreeVariation
       extends Base;
       Effects.FreeVariation effect(x = s, x_hi = 3.5e-3);
@@ -2143,6 +2288,18 @@ package EffectTests
       Effects.ConstantTerm effect;
       annotation(__mocc(adds = "der(observed) = effect.term"));
     end ConstantTerm;
+
+    model LateTerm
+      extends Equation;
+      Effects.LateTerm effect(x = -10*observed, T_min = 1e-4);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end LateTerm;
+
+    model StoredTerm
+      extends Equation;
+      Effects.StoredTerm effect(x = -10*observed, T_min = 1e-4);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end StoredTerm;
 
     model LinearTerm
       extends Equation;
@@ -2243,6 +2400,11 @@ package EffectTests
       Effects.ActuatorLag effect(u = s, T_min = 1e-5);
     end ActuatorLag;
 
+    model ActuatorEmptyStore
+      extends Base;
+      Effects.ActuatorEmptyStore effect(u = s, T_min = 1e-5);
+    end ActuatorEmptyStore;
+
     model ActuatorPartialLag
       extends Base;
       Effects.ActuatorPartialLag effect(u = s);
@@ -2263,6 +2425,11 @@ package EffectTests
       extends Base;
       Effects.ActuatorHysteresis effect(u = s, w = 1e-4);
     end ActuatorHysteresis;
+
+    model ActuatorBacklash
+      extends Base;
+      Effects.ActuatorBacklash effect(u = s, w = 1e-4);
+    end ActuatorBacklash;
 
     model FreeActuator
       extends Driven;
@@ -2621,6 +2788,14 @@ package EffectTests
       connect(effect.port_a, body.port);
       connect(effect.port_b, cover.port);
     end ConvectionExchange;
+
+    model FreeHeatExchange
+      extends BesideBodies;
+      Effects.FreeHeatExchange effect(dT_lo = 12, dT_hi = 20);
+    equation
+      connect(effect.port_a, body.port);
+      connect(effect.port_b, cover.port);
+    end FreeHeatExchange;
 
     model RadiationExchange
       extends BesideBodies;
