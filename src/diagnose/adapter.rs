@@ -178,7 +178,7 @@ mod tests {
         };
         let pair = PotentialFlow { potential: variable(potential), flow: variable(flow) };
         let (name, class) = ("c".to_owned(), class.to_owned());
-        InventoryConnector { name, class, node: 0, pair: Some(pair) }
+        InventoryConnector { name, class, node: 0, pair: Some(pair), has_streams: false }
     }
 
     #[test]

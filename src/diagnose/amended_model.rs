@@ -6,8 +6,10 @@ use crate::ir::flat::Experiment;
 use super::fixed_value::corrected_value;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::model_source::{Attached, Extension, ParameterValue};
+use super::place::Place;
 use super::result::{Diagnosis, sentences, unit};
 use super::study::Study;
+use super::terminal_reading::TerminalReading;
 
 /// The amended model.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -37,13 +39,23 @@ pub fn amended(study: &Study, diagnosis: &Diagnosis, original: &str) -> Option<A
             values.push(ParameterValue { name: target.clone(), value, comment });
         }
     }
+    let (readings, unchanged) = readings(study, hypothesis);
+    let with_own_readings = |chosen: &ChosenEffect| {
+        let mut chosen = chosen.clone();
+        for (_, variable) in &mut chosen.place.binds {
+            let own = unchanged.iter().find(|r| r.name == *variable);
+            own.into_iter().for_each(|r| variable.clone_from(&r.variable));
+        }
+        chosen
+    };
     let is_value = |c: &&ChosenEffect| study.effects[c.effect].is_other_value();
-    let (other_values, effects): (Vec<_>, Vec<_>) = hypothesis.effects.iter().partition(is_value);
+    let all: Vec<ChosenEffect> = hypothesis.effects.iter().map(with_own_readings).collect();
+    let (other_values, effects): (Vec<_>, Vec<_>) = all.iter().partition(is_value);
     values.extend(other_values.into_iter().filter_map(|c| other_value(study, hypothesis, c)));
     let attached: Vec<Attached<'_>> =
         effects.into_iter().map(|c| with_estimates(study, hypothesis, c)).collect();
     let experiment = experiment(&study.experiment);
-    let measured = measured(study, hypothesis);
+    let measured = measured(study, hypothesis, &readings);
     let description = sentences(&study.effects, &hypothesis.effects).join(" ").replace('"', "'");
     let extension = Extension {
         name: &name,
@@ -52,6 +64,7 @@ pub fn amended(study: &Study, diagnosis: &Diagnosis, original: &str) -> Option<A
         experiment: experiment.as_deref(),
         measured: measured.as_deref(),
         values: &values,
+        readings: &readings,
     };
     let added = extension.source(&attached);
     let source = format!("{}\n\n// Found by mocc diagnose:\n{added}", original.trim_end());
@@ -92,11 +105,27 @@ fn with_estimates<'a>(
     Attached { comments, ..Attached::new(effect, &chosen.place, chosen.prefix.clone(), values) }
 }
 
+/// The sensors that read what effects change at the terminals of components, and those that read what the plan names.
+fn readings(
+    study: &Study,
+    hypothesis: &Hypothesis,
+) -> (Vec<TerminalReading>, Vec<TerminalReading>) {
+    let effects = hypothesis.effects.iter().filter(|c| study.effects[c.effect].in_series);
+    let places: Vec<&Place> = effects.map(|c| &c.place).collect();
+    let is_changed = |r: &TerminalReading| places.iter().any(|place| r.is_changed_by(place));
+    study.readings.iter().cloned().partition(is_changed)
+}
+
 /// The entry of the annotation `__mocc` that names the outputs of the sensors that effects are part of.
-fn measured(study: &Study, hypothesis: &Hypothesis) -> Option<String> {
+fn measured(
+    study: &Study,
+    hypothesis: &Hypothesis,
+    readings: &[TerminalReading],
+) -> Option<String> {
     let signals = hypothesis.plan.signals.iter().zip(&study.plan.signals);
+    let is_reading = |variable: &String| readings.iter().any(|r| r.name == *variable);
     let sensors: Vec<(&str, &str)> = signals
-        .filter(|(own, planned)| own.variable != planned.variable)
+        .filter(|(own, planned)| own.variable != planned.variable || is_reading(&own.variable))
         .map(|(own, _)| (own.column.as_str(), own.variable.as_str()))
         .collect();
     (!sensors.is_empty()).then(|| format!("{MEASURED} = \"{}\"", sensors_text(&sensors)))

@@ -30,7 +30,9 @@ pub struct CandidateFits<'a> {
     /// Number of effects before.
     pub depth: usize,
     /// Where proposals are alternatives to what was found: the sum of squares above which a short fit is given up.
-    pub give_up_above: Option<f64>,
+    give_up_above: Option<f64>,
+    /// Reduced sum of the calibrated model, where `from` is not calibrated: what leaves as much explains nothing.
+    calibrated: Option<f64>,
 }
 
 /// Steps after which a short fit of an alternative may be given up.
@@ -38,7 +40,28 @@ const STEPS_BEFORE_GIVING_UP: u32 = 3;
 /// Share of the promise of an actuator that explains everything which its rivals promise as well.
 const RIVAL_SHARE: f64 = 0.98;
 
-impl CandidateFits<'_> {
+impl<'a> CandidateFits<'a> {
+    /// The proposals, of one or several effects each, that may extend a hypothesis with a number of effects.
+    pub fn new(
+        search: &'a Search<'a>,
+        from: &'a Hypothesis,
+        proposals: &'a [Vec<Scored>],
+        depth: usize,
+    ) -> Self {
+        CandidateFits { search, from, proposals, depth, give_up_above: None, calibrated: None }
+    }
+
+    /// For alternatives to what was found: the sum of squares above which a short fit is given up.
+    pub fn giving_up_above(self, sum: f64) -> Self {
+        CandidateFits { give_up_above: Some(sum), ..self }
+    }
+
+    /// For alternatives whose `from` is not calibrated: the calibrated model without effects. Those that explain little
+    /// of what it leaves are not fitted to convergence.
+    pub fn instead_of(self, before: &Hypothesis) -> Self {
+        CandidateFits { calibrated: Some(before.chi2_train()), ..self }
+    }
+
     /// The hypothesis extended by each of the proposals, best first.
     pub fn run(&self) -> Vec<Hypothesis> {
         let (search, from) = (self.search, self.from);
@@ -265,7 +288,9 @@ impl CandidateFits<'_> {
         let factor = policy.long_fit_factor;
         let limit = |least: f64| 1.0 + (factor * least).max(factor * (policy.resolved_train - 1.0));
         let (parametric, any) = (least_excess(false), least_excess(true));
+        let explains_nothing = |h: &Hypothesis| self.calibrated.is_some() && !self.explains_most(h);
         let is_worth_it = |h: &Hypothesis| match ends_with_curve(study, h) {
+            _ if explains_nothing(h) => false,
             true => h.chi2_train() < limit(any).min(1.0 + parametric),
             false => h.chi2_train() < limit(parametric),
         };
@@ -396,7 +421,8 @@ impl CandidateFits<'_> {
 
     /// True for a fit that explains most of the excess.
     fn explains_most(&self, hypothesis: &Hypothesis) -> bool {
-        let excess = self.from.chi2_train() - 1.0;
+        let before = self.from.chi2_train().min(self.calibrated.unwrap_or(f64::INFINITY));
+        let excess = before - 1.0;
         hypothesis.chi2_train() - 1.0 < self.search.policy().most_share * excess
     }
 }

@@ -49,10 +49,17 @@ pub struct Effect {
     pub over: Vec<String>,
     /// Of an effect that lets parameters vary: its output, by which they are multiplied.
     pub varies: Option<String>,
+    /// Of such an effect: it is scored only for the parameters that a straight line over some variable suits best, since it
+    /// costs more.
+    pub follows_line: bool,
+    /// Together with its host it is another law of the host, so a sensor of the host's flow reads both.
+    pub in_series: bool,
     /// Of an effect that is a term of an equation: the variable that is added.
     pub adds: Option<String>,
     /// Of such a term: its input is the state whose rate the equation determines.
     pub is_of_state: bool,
+    /// Of such a term: its input is a term that the equation has.
+    pub is_of_term: bool,
     /// Of an effect that moves the start of a state: the parameter that is added to it.
     pub starts: Option<String>,
     /// Of an effect that acts on an input of the model: its output, which the model reads instead.
@@ -63,6 +70,9 @@ pub struct Effect {
     pub choice: Option<Choice>,
     /// Of a free curve: how a formula takes its place.
     pub curve: Option<FreeCurve>,
+    /// Of a free curve with more knots than its class has by itself: that of the class, by its position in the catalogue. It is
+    /// fitted in the place of the other, and no score test tries it.
+    pub finer_than: Option<usize>,
     /// Of a formula that may stand for a free curve: the formula.
     pub formula: Option<Formula>,
     /// Its annotation.
@@ -429,7 +439,10 @@ fn read(class: &str, text: &str, role: Role) -> Result<Effect, String> {
             "acts" => effect.acts = Some(value.trim().to_owned()),
             "order" => effect.is_first = value.trim() == "first",
             "adds" => effect.adds = Some(value.trim().to_owned()),
+            "follows" if value.trim() == "line" => effect.follows_line = true,
+            "series" => effect.in_series = value.trim() == "true",
             "of" if value.trim() == "state" => effect.is_of_state = true,
+            "of" if value.trim() == "term" => effect.is_of_term = true,
             "over" => effect.over = items.map(str::to_owned).collect(),
             shape => {
                 let starts: Option<Vec<Start>> = items.map(start).collect();

@@ -14,6 +14,8 @@ use super::place::Place;
 
 /// Equations that a term may be added to.
 const MAX_EQUATIONS: usize = 6;
+/// Terms of an equation that may act otherwise.
+const MAX_TERMS: usize = 4;
 /// Variables of which products are formed.
 const MAX_FACTORS: usize = 6;
 
@@ -32,6 +34,8 @@ struct Equation {
     name: String,
     /// The state whose rate it determines.
     state: Option<String>,
+    /// The terms that it has, with their signs.
+    terms: Vec<String>,
 }
 
 impl EquationTerms {
@@ -54,7 +58,9 @@ impl EquationTerms {
                 Determined::Rate(state) => Some(&flat.variables[state]),
                 Determined::Variable(_) => None,
             };
-            Equation { name: e.name(flat), state: state.map(|x| x.name.clone()) }
+            let mut terms = e.terms(flat);
+            terms.truncate(MAX_TERMS);
+            Equation { name: e.name(flat), state: state.map(|x| x.name.clone()), terms }
         };
         EquationTerms {
             equations: all.into_iter().filter(is_own).take(MAX_EQUATIONS).map(equation).collect(),
@@ -75,6 +81,9 @@ impl EquationTerms {
             };
             match inputs.as_slice() {
                 [] => out.push(place(&[])),
+                [_] if effect.is_of_term => {
+                    out.extend(equation.terms.iter().map(|term| place(&[term.as_str()])));
+                }
                 [_] => match equation.state.as_ref().filter(|_| effect.is_of_state) {
                     Some(state) => out.push(place(&[state.as_str()])),
                     None => out.extend(self.others(&equation.name).map(|v| place(&[v]))),
@@ -115,6 +124,7 @@ mod tests {
         let equation = |name: &str, state: Option<&str>| Equation {
             name: name.to_owned(),
             state: state.map(str::to_owned),
+            terms: vec!["-c*w".to_owned()],
         };
         let bound = |equation: Equation, effect: &Effect| -> Vec<Vec<String>> {
             let terms = EquationTerms {
@@ -133,5 +143,7 @@ mod tests {
         let of_state = Effect { is_of_state: true, ..effect(&["x"]) };
         assert_eq!(bound(rate(), &of_state), [["w"]]);
         assert_eq!(bound(force(), &of_state), [["phi"], ["w"]]);
+        let of_term = Effect { is_of_term: true, ..effect(&["x"]) };
+        assert_eq!(bound(rate(), &of_term), [["-c*w"]]);
     }
 }

@@ -12,6 +12,8 @@ pub struct FreeCurve {
     pub extends: String,
     /// The amplitudes that are the values of the curve.
     pub knots: String,
+    /// The parameter that is their number.
+    pub count: Option<String>,
     /// The variable that it depends on.
     pub over: String,
     /// The parameter that is its first knot; without it, the curve begins at 0.
@@ -37,6 +39,7 @@ impl FreeCurve {
             match key.trim() {
                 "extends" => curve.extends = value,
                 "knots" => curve.knots = value,
+                "count" => curve.count = Some(value),
                 "over" => curve.over = value,
                 "from" => curve.from = Some(value),
                 "to" => curve.to = value,
@@ -375,7 +378,9 @@ static FORMS: &[Form] = &[
 pub fn formulas(effects: &[Effect]) -> Vec<Effect> {
     let mut out = Vec::new();
     for (k, effect) in effects.iter().enumerate() {
-        let Some(curve) = &effect.curve else { continue };
+        let Some(curve) = effect.curve.as_ref().filter(|_| effect.finer_than.is_none()) else {
+            continue;
+        };
         let fits = |form: &&Form| match () {
             () if curve.is_anchored => !form.has_constant() && !form.has_twin_from_zero(),
             () if curve.is_zero_at_zero => form.is_zero_at_zero,

@@ -11,6 +11,8 @@ use crate::calibrate::problem::Problem;
 use crate::numeric::least_squares::NormalEquations;
 use crate::numeric::linear::DenseLu;
 
+use super::catalogue::Effect;
+use super::finer_curve::with_finer_knots;
 use super::formula::{Form, FreeCurve, middle_name, scale_name};
 use super::hypothesis::{ChosenEffect, Hypothesis, RANGE, component_name};
 use super::result::Diagnosis;
@@ -52,22 +54,27 @@ pub fn formula_instead(
 ) -> Option<Hypothesis> {
     let study = search.study;
     let chosen = hypothesis.effects.get(k)?;
-    let (own, curve) = curve_of(study, chosen.effect)?;
     if hypothesis.effects.iter().filter(|c| c.group == chosen.group).count() > 1 {
         return None;
     }
-    let knots = match own == chosen.effect {
+    curve_of(study, chosen.effect)?;
+    let finer = with_finer_knots(search, hypothesis, k);
+    let hypothesis = finer.as_ref().unwrap_or(hypothesis);
+    let chosen = &hypothesis.effects[k];
+    let (own, curve) = curve_of(study, chosen.effect)?;
+    let is_curve = study.effects[chosen.effect].curve.is_some();
+    let knots = match is_curve {
         true => Knots::of(search, hypothesis, chosen, curve)?,
         false => Knots::on_line(study, hypothesis, chosen, curve)?,
     };
     let forms = study.effects.iter().enumerate().filter_map(|(effect, e)| {
         let formula = e.formula.as_ref().filter(|f| f.curve == own)?;
-        Some((effect, formula.form)).filter(|(_, form)| own == chosen.effect || form.bends_line())
+        Some((effect, formula.form)).filter(|(_, form)| is_curve || form.bends_line())
     });
     let mut candidates: Vec<Candidate> =
         forms.filter_map(|(effect, form)| knots.fitted(effect, form)).collect();
     candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
-    let mut best: Option<Hypothesis> = None;
+    let mut best = finer.clone().filter(|finer| finer.is_determined(study));
     for candidate in candidates.iter().take(search.policy().fitted_formulas) {
         if !search.may_continue() {
             break;
@@ -93,13 +100,14 @@ pub fn formula_instead(
 fn curve_of(study: &Study, effect: usize) -> Option<(usize, &FreeCurve)> {
     let own = &study.effects[effect];
     if let Some(curve) = &own.curve {
-        return Some((effect, curve));
+        return Some((own.finer_than.unwrap_or(effect), curve));
     }
     let varies = own.varies.is_some() && own.formula.is_none();
     let is_along = |curve: &FreeCurve| {
         own.shape_parameters.iter().any(|(n, _)| curve.from.as_ref() == Some(n))
     };
-    let mut all = study.effects.iter().enumerate().filter(|(_, e)| varies && e.varies.is_some());
+    let varies_too = |e: &Effect| varies && e.varies.is_some() && e.finer_than.is_none();
+    let mut all = study.effects.iter().enumerate().filter(|(_, e)| varies_too(e));
     all.find_map(|(k, e)| Some((k, e.curve.as_ref().filter(|c| is_along(c))?)))
 }
 
@@ -428,7 +436,6 @@ fn rounded(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::catalogue::Effect;
     use super::super::formula::formulas;
     use super::*;
 

@@ -47,9 +47,7 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
             }
             left.retain(|s| !proposals.iter().any(|p| p[0].is_same(s)));
             let from = &diagnosis.after;
-            let mut hypotheses =
-                CandidateFits { search, from, proposals: &proposals, depth, give_up_above: None }
-                    .run();
+            let mut hypotheses = CandidateFits::new(search, from, &proposals, depth).run();
             with_formulas(search, &mut hypotheses);
             let supported = |h: &Hypothesis| {
                 let is_notable = h.train.total() < total - notable;

@@ -20,6 +20,9 @@ use super::study::{DiagnosisError, Study};
 /// Factor around its start within which a positive parameter of an effect is searched.
 pub const RANGE: f64 = 50.0;
 
+/// Standard errors by which an amplitude that is known differs from 0.
+const KNOWN: f64 = 2.0;
+
 /// An effect of a hypothesis.
 #[derive(Clone, Debug)]
 pub struct ChosenEffect {
@@ -162,12 +165,18 @@ impl Hypothesis {
         self.bic() + self.validation.total()
     }
 
-    /// True if the data determine every amplitude of its effects.
+    /// True if the data determine every amplitude of its effects and, of a parameter that varies and of a formula, know one
+    /// better than its size: terms that nearly cancel may be any.
     pub fn is_determined(&self, study: &Study) -> bool {
-        let finite = |c: &ChosenEffect, a: &Amplitude| {
-            self.estimate(&c.full_name(&a.name)).is_none_or(|(_, error)| error.is_finite())
-        };
-        self.effects.iter().all(|c| study.effects[c.effect].amplitudes.iter().all(|a| finite(c, a)))
+        self.effects.iter().all(|c| {
+            let effect = &study.effects[c.effect];
+            let estimate = |a: &Amplitude| self.estimate(&c.full_name(&a.name));
+            let mut estimates = effect.amplitudes.iter().filter_map(estimate);
+            let describes = effect.is_variation() || effect.formula.is_some();
+            let is_known = |(value, error): (f64, f64)| value.abs() > KNOWN * error;
+            estimates.clone().all(|(_, error)| error.is_finite())
+                && (!describes || estimates.any(is_known))
+        })
     }
 
     /// True if one of its effects acts at several places.

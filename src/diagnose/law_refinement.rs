@@ -12,7 +12,13 @@ use super::search::Search;
 /// Free curves at the place of the effect that are fitted.
 const CURVES: usize = 2;
 
-/// If a single named law explains nearly everything, but not all: formulas over the variables of the free curves at the same
+/// True if the fit has pushed a parameter of the plan against its bound.
+fn is_at_bound(search: &Search<'_>, hypothesis: &Hypothesis) -> bool {
+    let targets = search.study.plan.free.iter().filter_map(|free| free.targets.first());
+    targets.into_iter().any(|target| hypothesis.is_at_bound(target))
+}
+
+/// If a single named law explains nearly everything, but not all, or only with a parameter at its bound: formulas over the variables of the free curves at the same
 /// place. One that leaves nothing to explain replaces the law; one that leaves something would only bend towards what a
 /// second effect does.
 pub fn refine_law(search: &Search<'_>, diagnosis: &mut Diagnosis) {
@@ -21,8 +27,8 @@ pub fn refine_law(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     let effect = &study.effects[chosen.effect];
     let is_named = effect.varies.is_none() && effect.formula.is_none() && effect.choice.is_none();
     let is_curve = study.is_curve(chosen.effect);
-    let is_done =
-        current.is_resolved(search.policy()) || !search.leads(&diagnosis.before, &current);
+    let is_resolved = current.is_resolved(search.policy()) && !is_at_bound(search, &current);
+    let is_done = is_resolved || !search.leads(&diagnosis.before, &current);
     if !is_named || is_curve || is_done || !search.may_continue() {
         return;
     }
@@ -34,7 +40,7 @@ pub fn refine_law(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     proposals.truncate(CURVES);
     let Some(start) = stripped(search, &current) else { return };
     let from = &start;
-    let fits = CandidateFits { search, from, proposals: &proposals, depth: 0, give_up_above: None };
+    let fits = CandidateFits::new(search, from, &proposals, 0);
     let limit = current.total_criterion() - search.policy().evidence;
     let is_promising = |h: &Hypothesis| h.train.total() < current.train.total();
     let formulas = fits

@@ -26,8 +26,8 @@ pub fn widen_variation(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         }
         let Some(start) = stripped(search, &after) else { return };
         let (from, proposals) = (&start, &proposals[..]);
-        let give_up_above = Some(after.train.total());
-        let fits = CandidateFits { search, from, proposals, depth: 0, give_up_above };
+        let fits =
+            CandidateFits::new(search, from, proposals, 0).giving_up_above(after.train.total());
         let mut hypotheses = fits.run();
         hypotheses.retain(|h| h.train.total() < after.train.total());
         if !accept_first_better(search, diagnosis, hypotheses) {
@@ -83,8 +83,7 @@ fn single_law(search: &Search<'_>, diagnosis: &Diagnosis) -> Option<Hypothesis> 
     let ranking = rank_instead(search, after, &rest, &is_law);
     let proposals: Vec<Vec<Scored>> = ranking.into_iter().map(|s| vec![s]).collect();
     let depth = groups(&rest.effects).count();
-    let fits =
-        CandidateFits { search, from: &rest, proposals: &proposals, depth, give_up_above: None };
+    let fits = CandidateFits::new(search, &rest, &proposals, depth);
     let mut hypotheses = fits.run();
     let formulas: Vec<Hypothesis> = hypotheses
         .iter()

@@ -7,6 +7,7 @@ use super::adapter::Adapters;
 use super::catalogue::Effect;
 use super::hypothesis::full_name;
 use super::place::Place;
+use super::terminal_reading::TerminalReading;
 
 /// An effect at a place with values for its parameters.
 #[derive(Clone, Debug)]
@@ -104,6 +105,8 @@ pub struct Extension<'a> {
     pub measured: Option<&'a str>,
     /// Modifications of the base.
     pub values: &'a [ParameterValue],
+    /// What sensors read at the terminals of components.
+    pub readings: &'a [TerminalReading],
 }
 
 impl Extension<'_> {
@@ -138,6 +141,7 @@ impl Extension<'_> {
         classes.dedup();
         classes.into_iter().for_each(|class| out.push_str(class));
         components.into_iter().for_each(|a| a.declare(&mut out));
+        self.readings.iter().for_each(|r| out.push_str(&r.declaration(attached)));
         out.push_str(&self.connections(attached));
         let entries = [
             variations(attached),

@@ -21,7 +21,6 @@ use super::result::{Diagnosis, Verdict, estimates, rmse_of, sentences};
 use super::run::Outcome;
 use super::study::Study;
 use super::summary::{ENDED_EARLY, noise_lines, partial, sentence_case};
-use super::surroundings::INSIDE;
 
 /// Rows of a ranking to show.
 const RANKED: usize = 15;
@@ -52,8 +51,8 @@ pub fn html(outcome: &Outcome) -> String {
             page.add(&format!("<p class=\"note\">{meaning}.</p>\n"));
         }
     }
-    if study.plan.fmu.is_some() {
-        page.add(&format!("<p class=\"note\">{}.</p>\n", escaped(&sentence_case(INSIDE))));
+    for limit in study.limits() {
+        page.add(&format!("<p class=\"note\">{}.</p>\n", escaped(&sentence_case(limit))));
     }
     for line in noise_lines(outcome) {
         page.add(&format!("<p>{}.</p>\n", escaped(&sentence_case(&line))));

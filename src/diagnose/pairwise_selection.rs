@@ -36,8 +36,7 @@ pub fn pairwise_selection_from(
     let best = diverse(&many, most, search.policy().pairs_per_member);
     let mut proposals = with_preliminary_fits(search, from, best, many.into_iter());
     proposals.truncate(most);
-    let hypotheses =
-        CandidateFits { search, from, proposals: &proposals, depth: 0, give_up_above: None }.run();
+    let hypotheses = CandidateFits::new(search, from, &proposals, 0).run();
     if diagnosis.pairs.is_empty() {
         diagnosis.pairs = proposals;
     }

@@ -80,6 +80,9 @@ pub fn with_preliminary_fits(
     out
 }
 
+/// Share of the promise of a law that follows a straight line which a simpler law at its place may promise.
+const SIMPLE_SHARE: f64 = 0.95;
+
 /// The laws, but no curves, by which parameters vary, at the places where one of them promises most. A straight line and a
 /// power that grows a hundredfold promise much the same, and only fits tell them apart.
 fn variations(study: &Study, all: &[Vec<Scored>]) -> Vec<Vec<Scored>> {
@@ -93,7 +96,19 @@ fn variations(study: &Study, all: &[Vec<Scored>]) -> Vec<Vec<Scored>> {
         }
     }
     places.truncate(VARIED_PLACES);
-    for s in laws().filter(|s| places.iter().any(|place| place.is_same_over(&s.place))) {
+    // What costs more is worth it where it promises more than the simple laws.
+    let simple = |place: &Place| {
+        let is_simple = |s: &&Scored| !study.effects[s.effect].follows_line;
+        let here = laws().filter(|s| s.place.is_same_over(place)).filter(is_simple);
+        here.map(|s| s.gain).fold(0.0, f64::max)
+    };
+    let is_worth_it = |s: &Scored| {
+        !study.effects[s.effect].follows_line || simple(&s.place) < SIMPLE_SHARE * s.gain
+    };
+    for s in laws()
+        .filter(|s| is_worth_it(s))
+        .filter(|s| places.iter().any(|place| place.is_same_over(&s.place)))
+    {
         if !out.iter().any(|known| known[0].is_same(s)) {
             out.push(vec![s.clone()]);
         }
@@ -140,7 +155,7 @@ impl<'a> PreliminaryFits<'a> {
     fn new(search: &Search<'a>, from: &'a Hypothesis, candidates: &[Vec<Scored>]) -> Self {
         search.note(&format!("preliminary fits of {} candidates", candidates.len()));
         let study = search.study;
-        let fits = CandidateFits { search, from, proposals: &[], depth: 0, give_up_above: None };
+        let fits = CandidateFits::new(search, from, &[], 0);
         let one = |proposal: &Vec<Scored>| {
             let (effects, plan) = attach(study, from, proposal, 0);
             let planned = from.effects.is_empty().then(|| fits.with_planned_starts(&plan));

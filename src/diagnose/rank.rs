@@ -48,7 +48,7 @@ impl Scored {
     /// True for another place of the same effect where it cannot be told apart: in a chain without branches,
     /// or at a set of parameters of which one has no influence.
     pub fn promises_as(&self, other: &Scored) -> bool {
-        const EQUAL: f64 = 1e-9;
+        const EQUAL: f64 = 1e-6;
         self.effect == other.effect && (self.gain - other.gain).abs() < EQUAL * self.gain.abs()
     }
 
@@ -105,6 +105,21 @@ pub fn rank_instead(
 /// Parameters and variables over which a free curve of the parameter is scored: those with the best straight lines.
 const CURVED_VARIATIONS: usize = 8;
 
+/// Parameters of which the laws are scored that follow a straight line: those with the best ones.
+const FOLLOWING_PARAMETERS: usize = 2;
+
+/// Places where a single parameter varies along a straight line, or a law of the first round, that promises something; the
+/// best first. A parameter that varies otherwise has some slope as well.
+fn sloped_places(search: &Search<'_>, scored: &[Scored]) -> Vec<Place> {
+    let study = search.study;
+    let varies = |s: &&Scored| study.effects[s.effect].varies.is_some() && s.gain > 0.0;
+    let mut lines: Vec<&Scored> = scored.iter().filter(varies).collect();
+    lines.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let single = &study.variations.parameters[..study.variations.single];
+    let places = lines.into_iter().map(|s| s.place.clone());
+    places.filter(|place| single.contains(&place.at)).collect()
+}
+
 fn rank_those(
     search: &Search<'_>,
     hypothesis: &Hypothesis,
@@ -113,25 +128,28 @@ fn rank_those(
 ) -> Vec<Scored> {
     let effects = &search.study.effects;
     let is_curve = |k: usize| effects[k].varies.is_some() && search.study.is_curve(k);
+    let is_later = |k: usize| is_curve(k) || effects[k].follows_line;
     let mut best =
-        scored(search, hypothesis, replaced, &|k, place| !is_curve(k) && filter(k, place));
-    // A parameter that varies along a curve has some slope as well.
-    let mut lines: Vec<&Scored> =
-        best.iter().filter(|s| effects[s.effect].varies.is_some() && s.gain > 0.0).collect();
-    lines.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let single = &search.study.variations.parameters[..search.study.variations.single];
-    let curved: Vec<Place> = lines
-        .into_iter()
-        .map(|s| s.place.clone())
-        .filter(|place| single.contains(&place.at))
-        .take(CURVED_VARIATIONS)
-        .collect();
-    let is_sloped = |place: &Place| {
-        let over = |p: &Place| p.binds.first().map(|(_, variable)| variable.clone());
-        curved.iter().any(|line| line.at == place.at && over(line) == over(place))
-    };
+        scored(search, hypothesis, replaced, &|k, place| !is_later(k) && filter(k, place));
+    let places = sloped_places(search, &best);
+    let curved = &places[..places.len().min(CURVED_VARIATIONS)];
+    let mut following: Vec<&Vec<String>> = Vec::new();
+    for place in &places {
+        if following.len() < FOLLOWING_PARAMETERS && !following.contains(&&place.at) {
+            following.push(&place.at);
+        }
+    }
+    // A condition keeps its value during a run.
+    let conditions = &search.study.variations.conditions;
+    let is_condition = |place: &Place| place.binds.iter().any(|(_, v)| conditions.contains(v));
     best.extend(scored(search, hypothesis, replaced, &|k, place| {
-        is_curve(k) && is_sloped(place) && filter(k, place)
+        let is_due = match is_curve(k) {
+            true => curved.iter().any(|line| line.is_same_over(place)),
+            false => {
+                effects[k].follows_line && following.contains(&&place.at) && !is_condition(place)
+            }
+        };
+        is_due && filter(k, place)
     }));
     if replaced.is_none() {
         best.extend(scored_choices(search, hypothesis));
@@ -140,7 +158,30 @@ fn rank_those(
         scored.others.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     }
     best.sort_by(|a, b| b.bic_gain(hypothesis).total_cmp(&a.bic_gain(hypothesis)));
+    measured_first(search.study, &mut best);
     best
+}
+
+/// Of a parameter that may as well vary with one variable as with another, such as a position and the volume that it
+/// determines, puts the measured one first.
+fn measured_first(study: &Study, ranking: &mut [Scored]) {
+    let is_measured = |s: &Scored| {
+        let measured = |name: &String| study.is_measured(name);
+        s.place.binds.iter().all(|(_, name)| measured(name))
+    };
+    for k in 1..ranking.len() {
+        let mut j = k;
+        while j > 0
+            && study.effects[ranking[j].effect].has_free_inputs()
+            && ranking[j].place.at == ranking[j - 1].place.at
+            && ranking[j].promises_as(&ranking[j - 1])
+            && is_measured(&ranking[j])
+            && !is_measured(&ranking[j - 1])
+        {
+            ranking.swap(j, j - 1);
+            j -= 1;
+        }
+    }
 }
 
 /// Scores those that `filter` admits, in no order.
@@ -263,7 +304,7 @@ fn trials(
 ) -> (Vec<Candidate>, Vec<Trial>) {
     let mut all: Vec<(usize, Place)> = Vec::new();
     for (k, effect) in study.effects.iter().enumerate() {
-        if effect.choice.is_some() || effect.formula.is_some() {
+        if effect.choice.is_some() || effect.formula.is_some() || effect.finer_than.is_some() {
             continue;
         }
         for place in study.places(effect, &hypothesis.plan) {
@@ -272,7 +313,10 @@ fn trials(
                     c.place.at.first() == Some(at)
                         && (effect.adds.is_none() || c.place.binds == place.binds)
                 };
-                hypothesis.effects.iter().any(|c| c.effect == k && is_here(c))
+                let is_same = |c: &ChosenEffect| {
+                    c.effect == k || study.effects[c.effect].finer_than == Some(k)
+                };
+                hypothesis.effects.iter().any(|c| is_same(c) && is_here(c))
             };
             let known = match effect.built_in {
                 true => place.at.iter().any(taken),

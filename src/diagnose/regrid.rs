@@ -56,12 +56,16 @@ pub fn regridded(search: &Search<'_>, hypothesis: &Hypothesis) -> Option<Hypothe
 }
 
 /// The points of a curve.
-fn on_curve(fixed: Option<(f64, f64)>, places: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
+pub(super) fn on_curve(
+    fixed: Option<(f64, f64)>,
+    places: &[f64],
+    values: &[f64],
+) -> Vec<(f64, f64)> {
     fixed.into_iter().chain(places.iter().copied().zip(values.iter().copied())).collect()
 }
 
 /// A value between points, or that of the nearest end.
-fn interpolated(points: &[(f64, f64)], x: f64) -> f64 {
+pub(super) fn interpolated(points: &[(f64, f64)], x: f64) -> f64 {
     let k = points.partition_point(|(p, _)| *p < x);
     match (k.checked_sub(1).map(|j| points[j]), points.get(k).copied()) {
         (Some((a, y)), Some((b, z))) => y + (z - y) * (x - a) / (b - a),

@@ -43,13 +43,7 @@ pub fn select_again(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         search.note("another effect in place of the one that leaves much");
         let ranking = rank_instead(search, &after, &diagnosis.before, &|_, _| true);
         let proposals = promising(search, &start, &ranking);
-        let fits = CandidateFits {
-            search,
-            from: &start,
-            proposals: &proposals,
-            depth: 0,
-            give_up_above: None,
-        };
+        let fits = CandidateFits::new(search, &start, &proposals, 0).instead_of(&diagnosis.before);
         let mut hypotheses = fits.run();
         hypotheses.retain(|h| !h.has_same_effects(&after));
         if !accept_first_better(search, diagnosis, hypotheses) {
@@ -94,13 +88,7 @@ fn swap_step(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         search.note(&format!("swapping {}", names.join(", ")));
         let proposals = promising(search, &rest, &rank(search, &rest));
         let from = &rest;
-        let fits = CandidateFits {
-            search,
-            from,
-            proposals: &proposals,
-            depth: number - 1,
-            give_up_above: None,
-        };
+        let fits = CandidateFits::new(search, from, &proposals, number - 1);
         let hypotheses = fits.run();
         // A curve or a parameter that varies follows what any law leaves: one has to leave much less to replace a name.
         let was_named = own.iter().all(|c| search.study.is_named(c.effect));
@@ -233,13 +221,8 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         .map(|s| vec![s.clone()]);
     alternatives.extend(promising);
     let near = 1.0 + policy.alternative_excess * (diagnosis.before.chi2_train() - 1.0);
-    let fits = CandidateFits {
-        search,
-        from: &start,
-        proposals: &alternatives,
-        depth: 0,
-        give_up_above: Some(2.0 * near * current.train.count() as f64),
-    };
+    let fits = CandidateFits::new(search, &start, &alternatives, 0)
+        .giving_up_above(2.0 * near * current.train.count() as f64);
     let (mut hypotheses, distant): (Vec<_>, Vec<_>) =
         fits.short_fits().into_iter().partition(|h| h.chi2_train() < near);
     fits.fit_fully(&mut hypotheses);
@@ -310,8 +293,7 @@ fn simpler(search: &Search<'_>, from: &Hypothesis, before: &Hypothesis) -> Optio
     let study = search.study;
     let start = stripped(search, from)?;
     let fitted = |proposals: &[Vec<Scored>]| {
-        let hypotheses =
-            CandidateFits { search, from: &start, proposals, depth: 0, give_up_above: None }.run();
+        let hypotheses = CandidateFits::new(search, &start, proposals, 0).instead_of(before).run();
         hypotheses.into_iter().find(|h| h.bic() < from.bic() + search.policy().evidence)
     };
     let instead = rank_instead(search, from, before, &|effect, _| !study.is_curve(effect));

@@ -117,8 +117,8 @@ pub fn sensors(study: &Study, diagnosis: &Diagnosis) -> Vec<Sensor> {
     let rivals = rivals(study, diagnosis);
     let longest = study.data.of(Split::Train).max_by_key(|r| r.time.len());
     let Some(recording) = longest.filter(|_| !rivals.is_empty()) else { return Vec::new() };
-    let measured = |name: &String| study.plan.signals.iter().any(|s| s.variable == *name);
-    let names: Vec<String> = study.variables.iter().filter(|v| !measured(v)).cloned().collect();
+    let is_open = |name: &&String| !study.is_measured(name);
+    let names: Vec<String> = study.variables.iter().filter(is_open).cloned().collect();
     let Some(own) = courses(study, &diagnosis.after, recording, &names) else { return Vec::new() };
     let mut found: Vec<Sensor> = own
         .iter()

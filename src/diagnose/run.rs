@@ -168,7 +168,7 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
     let (form, recorded) = (compiled.form, compiled.recorded.clone());
     let unknowns = unknowns(session, &Study::packages(&compiled, &own));
     let policy = request.policy.clone();
-    let study = Study::new(session, (compiled, &own), (&flat, inventory), (plan, data), policy);
+    let mut study = Study::new(session, (compiled, &own), (&flat, inventory), (plan, data), policy);
     session.drive(&mut flat, &recorded)?;
     let mut program = session.compile_flat(flat, form)?;
     record_signals(&mut program, &study.plan);
@@ -182,5 +182,6 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
             session.problems.push(Diagnostic::new(cause, effect.span.unwrap_or(Span::NONE)));
         }
     }
+    study.read_at_terminals();
     Ok((study, unknowns))
 }

@@ -231,6 +231,9 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     }
     merge_variations(search, &mut diagnosis);
     merge_laws_of_one_parameter(search, &mut diagnosis);
+    if is_varied_along_curve(search, &diagnosis.after) {
+        replace_curves(search, &mut diagnosis);
+    }
     simplify(search, &mut diagnosis);
     replace_curves(search, &mut diagnosis);
     eliminate_unsupported(search, &mut diagnosis);
@@ -238,6 +241,14 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     compare_siblings(search, &mut diagnosis);
     drop_worthless(search, &mut diagnosis);
     diagnosis
+}
+
+/// True for a single parameter that varies along a free curve, if that leaves nothing to explain: a formula then says more
+/// than another search for a single law, and its alternatives are compared later.
+fn is_varied_along_curve(search: &Search<'_>, hypothesis: &Hypothesis) -> bool {
+    let [only] = hypothesis.effects.as_slice() else { return false };
+    let varies = search.study.effects[only.effect].is_variation();
+    varies && search.study.is_curve(only.effect) && hypothesis.is_resolved(search.policy())
 }
 
 /// Withdraws a partial explanation that leaves nearly everything to explain.

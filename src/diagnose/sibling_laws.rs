@@ -62,8 +62,8 @@ fn siblings(search: &Search<'_>, diagnosis: &Diagnosis, k: usize) -> Vec<Hypothe
     };
     let ranking = rank_instead(search, after, &rest, &is_sibling);
     let proposals: Vec<Vec<Scored>> = ranking.into_iter().take(SIBLINGS).map(|s| vec![s]).collect();
-    let (depth, give_up_above) = (groups(&rest.effects).count(), None);
-    let fits = CandidateFits { search, from: &rest, proposals: &proposals, depth, give_up_above };
+    let depth = groups(&rest.effects).count();
+    let fits = CandidateFits::new(search, &rest, &proposals, depth);
     let most = after.train.total() + search.policy().evidence;
     let (mut near, distant): (Vec<_>, Vec<_>) =
         fits.short_fits().into_iter().partition(|h| h.train.total() < most);

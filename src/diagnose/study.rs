@@ -11,6 +11,7 @@ use crate::ir::program::Program;
 
 use super::catalogue::{Effect, Packages, catalogue};
 use super::equation_terms::EquationTerms;
+use super::finer_curve::finer_curves;
 use super::fixed_value::{self, FixedValue, fixed_starts, fixed_values};
 use super::formula::formulas;
 use super::inner_signals::inner_signals;
@@ -19,10 +20,16 @@ use super::model_source::{Attached, Extension};
 use super::place::{Place, places};
 use super::policy::SearchPolicy;
 use super::result::unit;
+use super::surroundings::INSIDE;
+use super::terminal_reading::{TerminalReading, terminal_readings};
 use super::variation::{VariationTargets, number_recordings, states, states_with_named_rates};
 
 /// Name of the generated model that has effects attached.
 const TRIAL_MODEL: &str = "Trial";
+
+/// About a diagnosis of a model whose connectors have stream variables.
+const STREAMS: &str = "no flow can be added at connectors with stream variables, such as those of Modelica.Fluid, so the \
+                       search there is among parameters, sensors and inputs";
 
 /// The package of the shipped effects.
 const SHIPPED_EFFECTS: &str = "Effects";
@@ -60,6 +67,9 @@ pub struct Study {
     pub terms: EquationTerms,
     /// The signals within the model that actuators may act on.
     pub inner_signals: Vec<String>,
+    /// The sensors that read the flow at a connector which an effect may change, in place of the variables that the plan
+    /// names.
+    pub readings: Vec<TerminalReading>,
     /// Number of states of the model.
     pub states: usize,
     /// Those with a rate that is a variable of its own: what may be an angle where nothing has a unit.
@@ -94,6 +104,7 @@ impl Study {
         let packages = Study::packages(&request, classes);
         let mut effects = catalogue(session, &packages, &inventory, &units);
         effects.extend(choices(&request, flat));
+        effects.extend(finer_curves(&effects));
         effects.extend(formulas(&effects));
         let variations = VariationTargets::new(flat, &plan, &data);
         Study {
@@ -103,6 +114,7 @@ impl Study {
             terms: EquationTerms::new(flat, &plan, &variations.variables),
             inner_signals: inner_signals(flat, &plan),
             variations,
+            readings: terminal_readings(flat, &plan, &inventory),
             fixed_values: fixed_values(flat, &plan),
             fixed_starts: fixed_starts(flat, &plan),
             units: units.into_iter().collect(),
@@ -126,10 +138,35 @@ impl Study {
         Packages { request, names: &[SHIPPED_EFFECTS], classes }
     }
 
+    /// Lets the sensors of flows that an effect may change read them at the terminals. From then on, the plan fits the
+    /// models that [`Study::compile`] makes, and no longer the model itself.
+    pub fn read_at_terminals(&mut self) {
+        let in_series = self.effects.iter().filter(|e| e.in_series);
+        let places: Vec<Place> = in_series.flat_map(|e| self.places(e, &self.plan)).collect();
+        self.readings.retain(|reading| places.iter().any(|place| reading.is_changed_by(place)));
+        for reading in &self.readings {
+            self.plan.signals[reading.signal].variable.clone_from(&reading.name);
+        }
+    }
+
     /// Corrects the noise of the signals by factors.
     pub fn correct_noise(&mut self, factors: Vec<f64>) {
         self.data.sigmas.iter_mut().zip(&factors).for_each(|(sigma, factor)| *sigma *= factor);
         self.corrections = factors;
+    }
+
+    /// What the search cannot look at in this model, as sentences without a full stop.
+    pub fn limits(&self) -> impl Iterator<Item = &'static str> {
+        let connectors = self.inventory.parts.iter().flat_map(|part| &part.connectors);
+        let has_streams = connectors.into_iter().any(|connector| connector.has_streams);
+        let inside = self.plan.fmu.is_some().then_some(INSIDE);
+        inside.into_iter().chain(has_streams.then_some(STREAMS))
+    }
+
+    /// True for a variable that the plan compares.
+    pub fn is_measured(&self, name: &str) -> bool {
+        self.plan.signals.iter().any(|s| s.variable == name)
+            || self.readings.iter().any(|r| r.variable == name)
     }
 
     /// The unit of a variable of the model; empty if it has none.
@@ -228,13 +265,15 @@ impl Study {
         let mut session = Session { parameters_vary: true, ..Session::default() };
         let mut request = self.request.clone();
         request.differentiated = plan.targets();
-        if !attached.is_empty() {
-            let trial = Extension { name: TRIAL_MODEL, base: &self.base, ..Extension::default() };
+        let is_extended = !attached.is_empty() || !self.readings.is_empty();
+        if is_extended {
+            let (name, base, readings) = (TRIAL_MODEL, &self.base, &self.readings);
+            let trial = Extension { name, base, readings, ..Extension::default() };
             request.appended = Some(trial.source(attached));
             request.model = Some(TRIAL_MODEL.to_owned());
         }
         let mut program = session.compile(&request)?;
-        if !attached.is_empty() {
+        if is_extended {
             // The experiment annotation is not inherited.
             program.blocks.dae.experiment = self.experiment;
         }

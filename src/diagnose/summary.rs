@@ -8,7 +8,6 @@ use super::hypothesis::groups;
 use super::next_text::lines;
 use super::result::{Verdict, estimates, sentences};
 use super::run::Outcome;
-use super::surroundings::INSIDE;
 
 /// The summary for the terminal.
 pub fn summary(outcome: &Outcome, seconds: f64) -> String {
@@ -58,8 +57,8 @@ pub fn summary(outcome: &Outcome, seconds: f64) -> String {
         let line = format!("  the fit has left {name} at its bound: {value} {unit}");
         out.push_str(&format!("{}\n", line.trim_end()));
     }
-    if study.plan.fmu.is_some() {
-        out.push_str(&format!("  {INSIDE}\n"));
+    for limit in study.limits() {
+        out.push_str(&format!("  {limit}\n"));
     }
     out.push_str("  reduced chi-square       before      after\n");
     let pairs = study.data.splits().map(|s| (s.name(), before.chi2(s), after.chi2(s)));

@@ -43,6 +43,8 @@ pub struct InventoryConnector {
     pub node: usize,
     /// Its potential and its flow, if it consists of one of each.
     pub pair: Option<PotentialFlow>,
+    /// It has stream variables.
+    pub has_streams: bool,
 }
 
 /// The variables of a connector that consists of one potential and one flow, both real numbers.
@@ -99,7 +101,8 @@ pub(super) fn of(
             });
             let name = cx.instances[end].name.to_string();
             let pair = pair(cx, end, flat);
-            connectors.push(InventoryConnector { name, class, node, pair });
+            let has_streams = has_streams(cx, end);
+            connectors.push(InventoryConnector { name, class, node, pair, has_streams });
         }
         let class = cx.instances[id].class;
         let class = class.map_or_else(String::new, |c| cx.classes[c].full_name.to_string());
@@ -130,6 +133,13 @@ fn elements(cx: &mut Evaluator<'_>, id: InstanceId, name: String) -> Vec<(Instan
         named.push((*element, format!("{name}[{}]", subscripts(k))));
     }
     named
+}
+
+/// Whether a connector has stream variables.
+fn has_streams(cx: &Evaluator<'_>, connector: InstanceId) -> bool {
+    let InstanceKind::Object(children) = &cx.instances[connector].kind else { return false };
+    let prefix = |child: &InstanceId| cx.instances[*child].prefix.connection;
+    children.iter().any(|child| prefix(child) == Some(ConnectionPrefix::Stream))
 }
 
 /// The potential and the flow of a connector that has nothing else.

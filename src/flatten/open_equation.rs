@@ -12,6 +12,7 @@ use crate::base::source::Span;
 use crate::ir::ast::Variability;
 use crate::ir::expr::{Binary, ExprId, Graph, Node, Type, Unary, VarId};
 use crate::ir::flat::{Equation, EquationKind, FlatModel};
+use crate::symbolic::print::print;
 
 use super::annotation::Pair;
 use super::cause::{FlattenCause, WrongTerm};
@@ -48,6 +49,44 @@ impl OpenEquation {
             Determined::Rate(state) => format!("der({})", flat.variables[state].name),
             Determined::Variable(v) => flat.variables[v].name.clone(),
         }
+    }
+
+    /// Its terms that vary, as Modelica text with the sign that they have on the side opposite of what the equation
+    /// determines; without the inputs of the model, and without long ones.
+    pub fn terms(&self, flat: &FlatModel) -> Vec<String> {
+        let (own, other) = match self.at {
+            Slot::Equation(k) => match flat.equations[k].kind {
+                EquationKind::Equal(left, right) if self.is_left => (Some(left), right),
+                EquationKind::Equal(left, right) => (Some(right), left),
+                _ => return Vec::new(),
+            },
+            Slot::Binding(v) => match flat.variables[v].binding {
+                Some(bound) => (None, bound),
+                None => return Vec::new(),
+            },
+        };
+        let mut all = Vec::new();
+        split(&flat.graph, other, true, &mut all);
+        own.into_iter().for_each(|own| split(&flat.graph, own, false, &mut all));
+        let is_variable = |v: &VarId| flat.variables[*v].variability > Variability::Parameter;
+        let is_plain = |e| match flat.graph.node(e) {
+            Node::Var(v) => flat.variables[v].is_open_input(),
+            _ => false,
+        };
+        let solved_for = match self.determines {
+            Determined::Variable(v) => flat.graph.known_variable(v),
+            Determined::Rate(_) => None,
+        };
+        let has_rate =
+            |e| flat.graph.postorder([e]).iter().any(|e| rate(&flat.graph, *e).is_some());
+        let varies = |e: ExprId| flat.graph.variables(e).iter().any(is_variable);
+        all.retain(|(e, _)| varies(*e) && !has_rate(*e) && !is_plain(*e) && solved_for != Some(*e));
+        let names = |v: VarId| flat.variables[v].name.clone();
+        let text = |(e, is_positive): (ExprId, bool)| {
+            let text = print(&flat.graph, e, &names);
+            if is_positive { text } else { format!("-({text})") }
+        };
+        all.into_iter().map(text).filter(|text| text.len() <= LONGEST_TERM).collect()
     }
 
     /// Where it is.
@@ -199,6 +238,22 @@ fn state_of(
         Node::Der(state) => Some((state, Some(state))),
         Node::Var(v) => Some((v, aliases.get(&v).copied())),
         _ => None,
+    }
+}
+
+/// Letters of a term that is still a name for people.
+const LONGEST_TERM: usize = 60;
+
+/// The terms of a sum, and whether each is added.
+fn split(graph: &Graph, e: ExprId, is_positive: bool, out: &mut Vec<(ExprId, bool)>) {
+    let mut left = vec![(e, is_positive)];
+    while let Some((e, is_positive)) = left.pop() {
+        match graph.node(e) {
+            Node::Unary(Unary::Neg, a) => left.push((a, !is_positive)),
+            Node::Binary(Binary::Add, a, b) => left.extend([(b, is_positive), (a, is_positive)]),
+            Node::Binary(Binary::Sub, a, b) => left.extend([(b, !is_positive), (a, is_positive)]),
+            _ => out.push((e, is_positive)),
+        }
     }
 }
 
