@@ -221,6 +221,43 @@ fn a_diode_is_found_in_a_circuit_with_connectors_of_its_own() {
     assert_found(&found, &scratch, "Effects.DiodeDrop", "line", &values);
 }
 
+/// Slip rings lose a voltage in series with a winding whose current is measured: the sensor reads what flows through
+/// both, also in the amended model.
+#[test]
+fn a_lost_voltage_is_found_where_the_current_is_measured() {
+    let study = Study {
+        model: "slip_rings",
+        truth: "slip_rings_truth",
+        conditions: &[("U", &[5.0, 10.0, 8.0, 6.0]), ("f", &[0.5, 1.0, 0.8, 0.6])],
+        signals: &[("winding.i", "A", 0.01), ("load.v", "V", 0.02)],
+        free: &["winding.R", "load.R"],
+        inputs: &[],
+    };
+    let (found, scratch) = study.diagnose();
+    let values = [("G", 0.8, 0.02), ("V", 0.8, 0.02)];
+    assert_found(&found, &scratch, "Effects.VoltageDrop", "winding", &values);
+    let amended = found["amended_model"].as_str().expect("a model");
+    let text = std::fs::read_to_string(scratch.path().join("out").join(amended)).expect("a model");
+    assert!(text.contains("reading_of_y_0(unit = \"A\") = winding.i + voltage_drop.p.i"), "{text}");
+    assert!(text.contains("measured = \"y_0=reading_of_y_0\""), "{text}");
+}
+
+/// The closed form: a = 0.004 R i_max^2/0.5, tau = 40/0.5 s.
+#[test]
+fn a_resistance_that_heats_is_found() {
+    let study = Study {
+        model: "coil",
+        truth: "coil_truth",
+        conditions: &[("U", &[5.0, 10.0, 14.0, 8.0])],
+        signals: &[("i", "A", 0.005)],
+        free: &["R"],
+        inputs: &[],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "parameter", "R", &[("tau", 80.0, 2.0)]);
+    assert_eq!(found["effects"][0]["over"][0], "i");
+}
+
 /// A loss to surroundings that the model does not have, from an element of an array of components.
 #[test]
 fn a_heat_loss_is_found_at_an_element_of_an_array() {

@@ -574,3 +574,85 @@ model Truth "Each recording starts elsewhere"
   extends Bath(C = 8600, G = 4.6, T(start = T_0));
   annotation(experiment(StopTime = 3000, Interval = 30));
 end Truth;
+
+//@ case slip_rings
+//@ used by diagnose_domains.rs
+model Generator
+  parameter Real U = 10;
+  parameter Real f = 1;
+  Electrical.Pin p;
+  Electrical.Pin n;
+equation
+  p.v - n.v = U*sin(6.283185307179586*f*time) + 0.4*U*sin(16.3*f*time);
+  p.i + n.i = 0;
+end Generator;
+
+model Rig
+  parameter Real U = 10;
+  parameter Real f = 1;
+  Generator generator(U = U, f = f);
+  Electrical.Resistor winding(R = 1.5);
+  Electrical.Resistor load(R = 5);
+  Electrical.Ground ground;
+equation
+  connect(generator.p, winding.p);
+  connect(winding.n, load.p);
+  connect(load.n, ground.p);
+  connect(generator.n, ground.p);
+  annotation(experiment(StopTime = 3, Interval = 0.02));
+end Rig;
+
+//@ case slip_rings_truth
+//@ used by diagnose_domains.rs
+model Ring
+  parameter Real V = 0.8;
+  Electrical.Pin p;
+  Electrical.Pin n;
+equation
+  p.v - n.v = V*tanh(200*p.i);
+  p.i + n.i = 0;
+end Ring;
+
+model Truth
+  parameter Real U = 10;
+  parameter Real f = 1;
+  Generator generator(U = U, f = f);
+  Electrical.Resistor winding(R = 1.25);
+  Electrical.Resistor load(R = 6);
+  Electrical.Ground ground;
+  Ring ring;
+equation
+  connect(generator.p, winding.p);
+  connect(winding.n, ring.p);
+  connect(ring.n, load.p);
+  connect(load.n, ground.p);
+  connect(generator.n, ground.p);
+  annotation(experiment(StopTime = 3, Interval = 0.02));
+end Truth;
+
+//@ case coil
+//@ used by diagnose_domains.rs
+model Coil "A coil at a voltage that is switched"
+  parameter Real U = 5;
+  parameter Real R = 3;
+  parameter Real L = 0.6;
+  Real u = if sin(0.02*time) > -0.3 then U else 0.3*U;
+  Real i(start = 0, fixed = true);
+equation
+  L*der(i) = u - R*i;
+  annotation(experiment(StopTime = 600, Interval = 2));
+end Coil;
+
+//@ case coil_truth
+//@ used by diagnose_domains.rs
+model Truth "Copper that the current heats: its resistance grows by 0.4 % per kelvin"
+  parameter Real U = 5;
+  Real u = if sin(0.02*time) > -0.3 then U else 0.3*U;
+  Real i(start = 0, fixed = true);
+  Real T(start = 0, fixed = true) "Above the surroundings";
+  Real R = 3.3*(1 + 0.004*T);
+equation
+  0.6*der(i) = u - R*i;
+  40*der(T) = R*i^2 - 0.5*T;
+  annotation(experiment(StopTime = 600, Interval = 2));
+end Truth;
