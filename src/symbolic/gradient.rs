@@ -28,6 +28,15 @@ pub fn gradient(
     root: ExprId,
     wanted: impl Fn(Leaf) -> bool,
 ) -> Vec<(Leaf, ExprId)> {
+    gradient_by(graph, root, &wanted)
+}
+
+/// The same, compiled once and not for each `wanted`.
+fn gradient_by(
+    graph: &mut Graph,
+    root: ExprId,
+    wanted: &dyn Fn(Leaf) -> bool,
+) -> Vec<(Leaf, ExprId)> {
     let order = graph.postorder([root]);
     let mut depends: FastMap<ExprId, bool> = FastMap::default();
     for &e in &order {
