@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use mocc::cli::args::{self, Command as Named};
-use mocc::cli::sweep::Command;
+use mocc::cli::sweep::{Command, files_named};
 use mocc::driver::compile::{Request, Session};
 use mocc::driver::packed::Packed;
 use mocc::io::journal::{self as file, Found};
@@ -124,10 +123,7 @@ impl Sweep {
         files: Folders<'_>,
     ) -> PyResult<Sweep> {
         let packed = packed(files);
-        let made = background::run(py, move |_| match args::read(arguments)? {
-            Named::Sweep(options) => Command::prepare(&options, text, &packed),
-            _ => Err(mocc::cli::Status::Usage),
-        })?;
+        let made = background::run(py, move |_| Command::named(arguments, text, &packed))?;
         let made = made.map_err(|status| PySystemExit::new_err(status as u8))?;
         Ok(Sweep(Arc::new(Inner::Command(made))))
     }
@@ -256,13 +252,7 @@ impl Inner {
 pub fn sweep_files(
     arguments: Vec<OsString>,
 ) -> PyResult<(Option<PathBuf>, Vec<PathBuf>, Option<String>)> {
-    match args::read(arguments) {
-        Ok(Named::Sweep(options)) => {
-            Ok((options.model.file, options.model.folders, options.cluster))
-        }
-        Ok(_) => Ok((None, Vec::new(), None)),
-        Err(status) => Err(PySystemExit::new_err(status as u8)),
-    }
+    files_named(arguments).map_err(|status| PySystemExit::new_err(status as u8))
 }
 
 /// A journal, open until it is closed or removed.

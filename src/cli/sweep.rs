@@ -1,5 +1,6 @@
 //! `mocc sweep`: runs a model many times, and writes a table with a row per run.
 
+use std::ffi::OsString;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,6 +8,7 @@ use std::time::Instant;
 
 use super::args::model::is_standard;
 use super::args::runs::Sweep as Options;
+use super::args::{self, Command as Named};
 use super::progress::Progress;
 use super::running::{self, names_in};
 use super::{Status, interrupt, print, print_file, project, say};
@@ -28,7 +30,7 @@ use crate::sweep::variant::{Keep, Model};
 use crate::sweep::vary::Axis;
 
 /// Runs the command.
-pub fn run(options: &Options) -> Status {
+pub(super) fn run(options: &Options) -> Status {
     if options.cluster.is_some() {
         eprintln!(
             "error: `--cluster` needs the Python package: install it with `pip install \"mocc[cluster]\"`, and run its command `mocc`"
@@ -43,6 +45,17 @@ pub fn run(options: &Options) -> Status {
         ended.map_err(|why| refused(&why))
     });
     ended.unwrap_or_else(|status| status)
+}
+
+/// The file of the model and the folders of libraries that a command line for a sweep names, and the address of the
+/// cluster. The first argument is the name of the program.
+pub fn files_named(
+    arguments: Vec<OsString>,
+) -> Result<(Option<PathBuf>, Vec<PathBuf>, Option<String>), Status> {
+    Ok(match args::read(arguments)? {
+        Named::Sweep(options) => (options.model.file, options.model.folders, options.cluster),
+        _ => (None, Vec::new(), None),
+    })
 }
 
 fn refused(why: &SweepError) -> Status {
@@ -61,9 +74,22 @@ pub struct Command {
 }
 
 impl Command {
+    /// The command of a command line, whose first argument is the name of the program. The file of its model and the
+    /// folders of libraries may be in memory. What is wrong is on the standard error.
+    pub fn named(
+        arguments: Vec<OsString>,
+        text: Option<String>,
+        packed: &Packed,
+    ) -> Result<Command, Status> {
+        match args::read(arguments)? {
+            Named::Sweep(options) => Command::prepare(&options, text, packed),
+            _ => Err(Status::Usage),
+        }
+    }
+
     /// Reads the options and compiles the model, whose file may be in memory, and the folders of libraries too. What is
     /// wrong is on the standard error.
-    pub fn prepare(
+    fn prepare(
         options: &Options,
         text: Option<String>,
         packed: &Packed,
