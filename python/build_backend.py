@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import shutil
 import subprocess
+import sys
 import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -68,10 +70,14 @@ def _built(arguments: list[str]) -> Path:
     known.add_argument("--release", "-r", action="store_const", dest="profile", const="release")
     given, _ = known.parse_known_args(arguments)
     command = ["cargo", "build", "--manifest-path", own.get("manifest-path", "Cargo.toml"), "--package", "mocc-fmu"]
+    # A dependency has the features that all chosen packages ask for. Without the module among them, mocc itself would be
+    # compiled a second time for it. On a Mac only maturin knows how to link the module.
+    command += [] if sys.platform == "darwin" else ["--package", "mocc-python"]
     command += ["--profile", given.profile, "--message-format", "json-render-diagnostics", *given.switches]
     command += [] if given.target is None else ["--target", given.target]
     print("Running `{}`".format(" ".join(command)), flush=True)
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
+    python = {"PYO3_PYTHON": sys.executable, "PYO3_BUILD_EXTENSION_MODULE": "1"}
+    done = subprocess.run(command, env={**os.environ, **python}, stdout=subprocess.PIPE, text=True, check=True)
     messages = map(json.loads, filter(None, done.stdout.splitlines()))
     made = [path for m in messages if m.get("target", {}).get("name") == "mocc_fmu" for path in m.get("filenames", [])]
     return Path(made[-1])
