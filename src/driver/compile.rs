@@ -9,6 +9,7 @@ use super::cause::RequestCause;
 use super::foreign::{is_fmu, needs_equations};
 use super::measured::is_unreadable_measure;
 use super::open_ends;
+use super::open_texts::OpenTexts;
 use super::packed::Packed;
 use super::quantity;
 use super::subject::{find, model};
@@ -69,6 +70,8 @@ pub struct Request {
     pub fmus: Vec<PathBuf>,
     /// The value of `MODELICAPATH`.
     pub modelica_path: Option<std::ffi::OsString>,
+    /// The texts of an editor, which go before those on disk.
+    pub open: OpenTexts,
     /// Those of `folders` that are in memory.
     pub packed: Packed,
     /// Components, and scalar variables, that the model may have; without it, the default.
@@ -427,7 +430,7 @@ impl Session {
         if !self.problems.has_errors() {
             verify::after("parse", "ast", || verify::ast::check(&file));
         }
-        if let Some(home) = super::files::home(path, file.package()) {
+        if let Some(home) = super::files::home(path, file.package(), &request.open) {
             library.add_home(home.root, home.package, &file);
         }
         library.add_file(&file, &mut self.problems);

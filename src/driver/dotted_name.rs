@@ -4,8 +4,6 @@
 pub(super) struct DottedName {
     /// Its parts.
     pub parts: Vec<String>,
-    /// The last part, bytes.
-    pub place: (u32, u32),
 }
 
 /// The dotted name at an offset, up to the part that is there. Subscripts between its parts are skipped.
@@ -25,7 +23,6 @@ pub(super) fn at(text: &str, offset: u32) -> Option<DottedName> {
     if start == end || bytes[start].is_ascii_digit() {
         return None;
     }
-    let place = (start as u32, end as u32);
     let mut parts = vec![text.get(start..end)?.to_owned()];
     while start > 0 && bytes[start - 1] == b'.' {
         let mut at = start - 1;
@@ -42,7 +39,7 @@ pub(super) fn at(text: &str, offset: u32) -> Option<DottedName> {
         parts.insert(0, text.get(at..end)?.to_owned());
         start = at;
     }
-    Some(DottedName { parts, place })
+    Some(DottedName { parts })
 }
 
 #[cfg(test)]

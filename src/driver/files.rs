@@ -1,6 +1,7 @@
 //! The origin of sources: folders on disk and the library in the binary. Nothing else reads files of
 //! models. The pages that explain diagnostics are in the binary as well.
 
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};
 
@@ -8,6 +9,7 @@ use include_dir::{Dir, DirEntry, include_dir};
 
 use super::compile::Request;
 use super::neighbours::Neighbours;
+use super::open_texts::{OpenTexts, canonical};
 use crate::base::index::FastMap;
 use crate::external::component::Component;
 use crate::fmu::import::component;
@@ -187,14 +189,27 @@ impl Folder for AsNamed {
 }
 
 /// A folder on disk. Its data files are those of the packages in it.
-pub struct OnDisk(pub PathBuf);
+pub struct OnDisk {
+    /// The folder.
+    pub folder: PathBuf,
+    /// Texts that go before the files.
+    pub open: OpenTexts,
+}
 
 impl OnDisk {
+    /// A folder whose files no editor holds.
+    pub fn new(folder: PathBuf) -> OnDisk {
+        OnDisk { folder, open: OpenTexts::default() }
+    }
+
     /// The package in this folder that a file belongs to.
     fn package_of(&self, file: &Path) -> Option<PathBuf> {
         let file = file.canonicalize().ok()?;
-        let entries =
-            std::fs::read_dir(if self.0.as_os_str().is_empty() { Path::new(".") } else { &self.0 });
+        let entries = std::fs::read_dir(if self.folder.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            &self.folder
+        });
         let folders = entries.ok()?.flatten().map(|entry| entry.path());
         let packages = folders.filter(|folder| folder.join("package.mo").is_file());
         packages
@@ -205,10 +220,10 @@ impl OnDisk {
 
 impl Folder for OnDisk {
     fn entries(&self, path: &Path) -> Vec<String> {
-        let folder = self.0.join(path);
+        let folder = self.folder.join(path);
         // The working directory has no name here.
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
-        let Ok(list) = std::fs::read_dir(folder) else { return Vec::new() };
+        let list = std::fs::read_dir(folder).into_iter().flatten();
         let mut all: Vec<String> = list
             .flatten()
             .map(|e| {
@@ -216,12 +231,17 @@ impl Folder for OnDisk {
                 if e.path().is_dir() { name + "/" } else { name }
             })
             .collect();
+        all.extend(self.open.names_in(folder));
         all.sort();
+        all.dedup();
         all
     }
 
     fn read(&self, path: &Path) -> Option<Result<String, String>> {
-        let full = self.0.join(path);
+        let full = self.folder.join(path);
+        if let Some(text) = self.open.of(&full) {
+            return Some(Ok(text.to_string()));
+        }
         if !full.is_file() {
             return None;
         }
@@ -230,7 +250,8 @@ impl Folder for OnDisk {
 
     fn data(&self, path: &Path) -> Option<Result<Vec<u8>, String>> {
         // The path may be that of `display`, which begins with this folder.
-        let full = Some(self.0.join(path)).filter(|f| f.is_file()).unwrap_or_else(|| path.into());
+        let full =
+            Some(self.folder.join(path)).filter(|f| f.is_file()).unwrap_or_else(|| path.into());
         full.is_file().then(|| match self.package_of(&full) {
             Some(_) => std::fs::read(full).map_err(|e| e.to_string()),
             None => Err(OUTSIDE.to_owned()),
@@ -238,7 +259,7 @@ impl Folder for OnDisk {
     }
 
     fn display(&self, path: &Path) -> PathBuf {
-        self.0.join(path)
+        self.folder.join(path)
     }
 }
 
@@ -250,7 +271,7 @@ pub fn top_level(folder: &Path) -> Result<Vec<String>, String> {
         _ => e.to_string(),
     };
     std::fs::read_dir(folder).map_err(why)?;
-    let entries = OnDisk(folder.to_owned()).entries(Path::new(""));
+    let entries = OnDisk::new(folder.to_owned()).entries(Path::new(""));
     if entries.iter().any(|e| e == "package.mo") {
         return Err("it is a package itself, so name the folder that contains it".to_owned());
     }
@@ -287,8 +308,12 @@ pub struct Home {
 
 /// The library of a file that is a `package.mo`, or that lies in the folders of the package named by its
 /// `within` clause (section 13.4.1 of the specification).
-pub fn home(file: &Path, within: Option<&ast::Path>) -> Option<Home> {
-    let full = file.canonicalize().ok()?;
+pub fn home(file: &Path, within: Option<&ast::Path>, open: &OpenTexts) -> Option<Home> {
+    let full = match open.is_editor() {
+        // A new file may not be on disk yet.
+        true => canonical(file),
+        false => file.canonicalize().ok()?,
+    };
     let own = full.parent()?;
     let is_package = full.file_name()? == "package.mo";
     if within.is_none() && !is_package {
@@ -307,10 +332,23 @@ pub fn home(file: &Path, within: Option<&ast::Path>) -> Option<Home> {
     }
     let package =
         is_package.then(|| own.strip_prefix(root).map(Path::to_path_buf)).transpose().ok()?;
-    // Messages show paths relative to the working directory.
-    let here = std::env::current_dir().ok();
+    // Messages show paths relative to the working directory; an editor opens them.
+    let here = std::env::current_dir().ok().filter(|_| !open.is_editor());
     let shown = here.and_then(|here| root.strip_prefix(here).ok());
-    Some(Home { root: Box::new(OnDisk(shown.unwrap_or(root).to_path_buf())), package })
+    let folder = shown.unwrap_or(root).to_path_buf();
+    Some(Home { root: Box::new(OnDisk { folder, open: open.clone() }), package })
+}
+
+/// The folders of the value of `MODELICAPATH`.
+pub fn folders_of(modelica_path: Option<&OsStr>) -> Vec<PathBuf> {
+    let all = modelica_path.into_iter().flat_map(std::env::split_paths);
+    all.filter(|folder| !folder.as_os_str().is_empty()).collect()
+}
+
+/// The value of `MODELICAPATH` without links and `..`.
+pub fn canonical_folders(modelica_path: Option<&OsStr>) -> Option<OsString> {
+    let all = folders_of(modelica_path).into_iter().map(|folder| canonical(&folder));
+    std::env::join_paths(all).ok().filter(|path| !path.is_empty())
 }
 
 /// Folders to search: those that a request names, in memory or on disk, then that of the model, then those of
@@ -326,7 +364,8 @@ pub fn folders(request: &Request) -> Vec<Box<dyn Folder>> {
         Some(own) => match request.packed.folder(own) {
             Some(packed) => Some(Box::new(packed)),
             None => {
-                let found = request.file.as_deref().and_then(Neighbours::of);
+                let found =
+                    request.file.as_deref().and_then(|file| Neighbours::of(file, &request.open));
                 found.map(|found| -> Box<dyn Folder> { Box::new(found) })
             }
         },
@@ -339,14 +378,12 @@ pub fn folders(request: &Request) -> Vec<Box<dyn Folder>> {
     for path in &request.folders {
         match request.packed.folder(path) {
             Some(packed) => all.push(Box::new(packed)),
-            None => all.push(Box::new(OnDisk(path.clone()))),
+            None => all.push(Box::new(OnDisk { folder: path.clone(), open: request.open.clone() })),
         }
     }
     all.extend(neighbours);
-    for path in request.modelica_path.as_deref().into_iter().flat_map(std::env::split_paths) {
-        if !path.as_os_str().is_empty() {
-            all.push(Box::new(OnDisk(path)));
-        }
+    for path in folders_of(request.modelica_path.as_deref()) {
+        all.push(Box::new(OnDisk { folder: path, open: request.open.clone() }));
     }
     all.push(Box::new(Shipped));
     all

@@ -11,7 +11,7 @@ use crate::base::diag::Problems;
 use crate::base::index::FastMap;
 use crate::base::source::SourceMap;
 use crate::ir::ast::{ArgumentKind, Class, ClassBody, ElementKind, Expr, ExprKind, Modification};
-use crate::ir::expr::{Const, ExprId, Node};
+use crate::ir::expr::{Const, ExprId, Node, Type};
 use crate::ir::flat::{FlatModel, Variability};
 use crate::parse::grammar::parse;
 use crate::symbolic::eval::{binary, unary};
@@ -152,12 +152,16 @@ impl<'f> Known<'f> {
 }
 
 /// The value of an expression of literals and parameters.
-fn value_of(flat: &FlatModel, e: ExprId) -> Option<String> {
+pub(super) fn value_of(flat: &FlatModel, e: ExprId) -> Option<String> {
     match flat.graph.as_const(e) {
         Some(Const::Integer(n)) => Some(n.to_string()),
         Some(Const::Boolean(flag)) => Some(flag.to_string()),
-        _ => number(flat, e, 0).map(|x| x.to_string()),
+        _ => None,
     }
+    .or_else(|| {
+        let x = number(flat, e, 0)?;
+        Some(if flat.graph.ty(e) == Type::Boolean { (x != 0.0).to_string() } else { x.to_string() })
+    })
 }
 
 fn number(flat: &FlatModel, e: ExprId, depth: usize) -> Option<f64> {

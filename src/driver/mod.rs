@@ -1,6 +1,7 @@
 //! From a request to a flat model, to sorted blocks, to a program: the recipe, and the files it reads.
 pub mod annotation;
 pub mod annotation_table;
+pub mod call;
 pub mod candidates;
 pub mod catalogue;
 pub mod cause;
@@ -15,11 +16,14 @@ mod measured;
 pub mod memory;
 pub mod neighbours;
 mod open_ends;
+pub mod open_texts;
 pub mod packed;
 pub mod ports;
 pub mod project;
 pub mod quantity;
 pub mod replacements;
+mod role;
+pub mod sources;
 pub mod stamps;
 mod subject;
 pub mod surrounded;

@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
 use super::files::OnDisk;
+use super::open_texts::OpenTexts;
 use crate::resolve::library::Folder;
 
 /// The folder of a model's file, which is not a package. Other files in it than those of classes stay out of sight.
@@ -15,16 +16,16 @@ pub struct Neighbours {
 
 impl Neighbours {
     /// The classes next to a file; none if its folder is a package, whose classes have other names.
-    pub fn of(file: &Path) -> Option<Neighbours> {
+    pub fn of(file: &Path, open: &OpenTexts) -> Option<Neighbours> {
         let folder = file.parent().unwrap_or(Path::new(""));
         let is_package = folder.join("package.mo").is_file();
-        (!is_package)
-            .then(|| Neighbours { folder: OnDisk(folder.to_path_buf()), entries: OnceCell::new() })
+        let folder = OnDisk { folder: folder.to_path_buf(), open: open.clone() };
+        (!is_package).then(|| Neighbours { folder, entries: OnceCell::new() })
     }
 
     fn found(&self) -> Vec<String> {
         let is_class = |entry: &String| match entry.strip_suffix('/') {
-            Some(folder) => self.folder.0.join(folder).join("package.mo").is_file(),
+            Some(folder) => self.folder.folder.join(folder).join("package.mo").is_file(),
             None => entry.ends_with(".mo"),
         };
         let mut all = self.folder.entries(Path::new(""));

@@ -3,22 +3,195 @@
 use std::sync::Arc;
 
 use super::dotted_name::DottedName;
-use super::subject::find_in;
+use super::role::{Of, Role, role};
+use super::subject::{find, find_in};
 
-use crate::base::name::name;
+use crate::base::name::{Name, name};
 use crate::base::source::Span;
 use crate::classes::ROOT;
+use crate::classes::lookup::Found;
+use crate::classes::predefined::is_built_in;
 use crate::evaluate::Evaluator;
 use crate::ir::ast::{
-    self, Argument, ArgumentKind, Class, ClassBody, ElementKind, Ident, Modification,
+    self, Argument, ArgumentKind, Class, ClassBody, ClassKind, ElementKind, EnumLiteral, Ident,
+    Modification,
 };
 use crate::ir::instance::{ClassId, Entry, EntryKind, Scope};
 
-/// A component of a class, or a class.
+/// A component of a class, a class, or a literal of an enumeration.
 #[derive(Clone)]
 pub(super) enum Target {
     Component(Entry),
     Class(ClassId),
+    Literal(EnumLiteral),
+}
+
+/// The meaning of a word.
+pub(super) enum Meaning {
+    /// A declaration.
+    Declared(Target),
+    /// Nothing that a file declares: a name of the language, of a tool, or of a loop.
+    Other,
+    /// It cannot be found.
+    Unknown,
+}
+
+/// The meaning of the word that begins at a byte, by the syntax around it. `is_end`: it follows `end`.
+pub(super) fn meaning(cx: &mut Evaluator<'_>, file: &ast::File, at: u32, is_end: bool) -> Meaning {
+    let chain = enclosing(file, at).map(|(chain, _)| chain).unwrap_or_default();
+    let innermost = class_named(cx, file, &chain);
+    let declared = |found: Option<Target>| found.map_or(Meaning::Unknown, Meaning::Declared);
+    if is_end {
+        return declared(innermost.map(Target::Class));
+    }
+    match role(file, at) {
+        Some(Role::Class) => declared(innermost.map(Target::Class)),
+        Some(Role::Component(own)) => declared(innermost.and_then(|class| member(cx, class, &own))),
+        Some(Role::Literal(own)) => declared(innermost.and_then(|class| literal(cx, class, &own))),
+        Some(Role::Local | Role::Foreign) => Meaning::Other,
+        Some(Role::Reference { parts, global, loose }) => {
+            match reference(cx, file, &chain, &parts, global) {
+                Meaning::Unknown if loose => Meaning::Other,
+                found => found,
+            }
+        }
+        Some(Role::Element { of, parts }) => element(cx, file, &chain, &of, &parts),
+        None => Meaning::Unknown,
+    }
+}
+
+/// The class around a place in which names are looked up: the names of a short class are those around it.
+fn scope<'c>(chain: &'c [Arc<Class>]) -> &'c [Arc<Class>] {
+    match chain.last().map(|class| &class.body) {
+        Some(ClassBody::Long(_)) | None => chain,
+        Some(_) => &chain[..chain.len() - 1],
+    }
+}
+
+fn reference(
+    cx: &mut Evaluator<'_>,
+    file: &ast::File,
+    chain: &[Arc<Class>],
+    parts: &[Name],
+    global: bool,
+) -> Meaning {
+    let Some((first, rest)) = parts.split_first() else { return Meaning::Unknown };
+    let around = scope(chain);
+    let class = match (global, around.is_empty()) {
+        (true, _) => Some(ROOT.class),
+        (false, true) => {
+            file.package().map_or(Some(ROOT.class), |package| find(cx, &package.to_string()))
+        }
+        (false, false) => class_named(cx, file, around),
+    };
+    let Some(class) = class else { return Meaning::Unknown };
+    let mut found = member(cx, class, first);
+    if found.is_none() && !global {
+        let scope = Scope { instance: cx.classes[class].holder, class };
+        found = match cx.find_first(*first, scope) {
+            Some(Found::Class(class)) => Some(Target::Class(class)),
+            Some(Found::Component(package, wanted)) => member(cx, package, &wanted),
+            None => None,
+        };
+    }
+    let Some(mut target) = found else {
+        return match is_built_in(first) || cx.predefined.contains_key(first) {
+            true => Meaning::Other,
+            false => Meaning::Unknown,
+        };
+    };
+    for part in rest {
+        if is_of_language(cx, &target) {
+            return Meaning::Other;
+        }
+        let next = class_of(cx, &target).and_then(|class| member(cx, class, part));
+        match next {
+            Some(next) => target = next,
+            // An error of the file, whatever else is declared.
+            None if is_whole_package(cx, &target) => return Meaning::Other,
+            None => return Meaning::Unknown,
+        }
+    }
+    match is_of_language(cx, &target) {
+        true => Meaning::Other,
+        false => Meaning::Declared(target),
+    }
+}
+
+/// Whether a target is a package that has all of its classes: no other takes its place.
+fn is_whole_package(cx: &mut Evaluator<'_>, target: &Target) -> bool {
+    let Target::Class(class) = *target else { return false };
+    let Some(text) = cx.definition(class).cloned() else { return false };
+    if text.kind != ClassKind::Package || text.partial {
+        return false;
+    }
+    let Some(around) = cx.classes[class].enclosing.filter(|around| *around != ROOT.class) else {
+        return true;
+    };
+    let table = cx.table(around);
+    let entry = table.index.get(&text.name.name).map(|at| &table.entries[*at]);
+    entry.is_none_or(|entry| entry.element.replaceable.is_none())
+}
+
+/// Whether a class is one that the language defines.
+fn is_of_language(cx: &Evaluator<'_>, target: &Target) -> bool {
+    matches!(target, Target::Class(class) if cx.definition(*class).is_none())
+}
+
+/// An element of a class that is modified, or an argument of a function.
+fn element(
+    cx: &mut Evaluator<'_>,
+    file: &ast::File,
+    chain: &[Arc<Class>],
+    of: &Of,
+    parts: &[Name],
+) -> Meaning {
+    let class = match of.parts.is_empty() {
+        true => class_named(cx, file, chain),
+        false => match reference(cx, file, chain, &of.parts, of.global) {
+            Meaning::Declared(target) => class_of(cx, &target),
+            // `Real x(start = 1)`, `sum(x = 1)`.
+            Meaning::Other => return Meaning::Other,
+            Meaning::Unknown => None,
+        },
+    };
+    let Some(mut class) = class else { return Meaning::Unknown };
+    for part in &of.element {
+        let Some(target) = member(cx, class, part) else {
+            // Attributes have no elements.
+            return Meaning::Unknown;
+        };
+        let Some(next) = class_of(cx, &target) else { return Meaning::Unknown };
+        class = next;
+    }
+    // A constructor that is a function has arguments of its own.
+    if cx.definition(class).is_some_and(|text| text.kind == ClassKind::OperatorRecord) {
+        return Meaning::Unknown;
+    }
+    let text: Vec<String> = parts.iter().map(|part| part.to_string()).collect();
+    match path(cx, class, &text, false) {
+        Some(target) => Meaning::Declared(target),
+        None if cx.definition(class).is_none() || cx.table(class).scalar.is_some() => {
+            Meaning::Other
+        }
+        None => Meaning::Unknown,
+    }
+}
+
+/// A literal of an enumeration, or of the one that a short class names.
+fn literal(cx: &mut Evaluator<'_>, class: ClassId, wanted: &str) -> Option<Target> {
+    let text = Arc::clone(cx.definition(class)?);
+    match &text.body {
+        ClassBody::Enumeration(literals) => {
+            let found = literals.iter().flatten().find(|literal| &*literal.name.name == wanted)?;
+            Some(Target::Literal(found.clone()))
+        }
+        ClassBody::Short(_) => {
+            let bases = cx.table(class).bases.clone();
+            bases.into_iter().find_map(|base| literal(cx, base, wanted))
+        }
+        _ => None,
+    }
 }
 
 /// The classes around a place, from the outermost, and the full name of the innermost.
@@ -77,7 +250,7 @@ pub(super) fn resolve(
 }
 
 /// A dotted name among the elements of a class and, `lexically`, among all classes that it can see.
-fn path(
+pub(super) fn path(
     cx: &mut Evaluator<'_>,
     class: ClassId,
     parts: &[String],
@@ -97,7 +270,7 @@ fn path(
     Some(target)
 }
 
-fn member(cx: &mut Evaluator<'_>, class: ClassId, wanted: &str) -> Option<Target> {
+pub(super) fn member(cx: &mut Evaluator<'_>, class: ClassId, wanted: &str) -> Option<Target> {
     if class != ROOT.class && cx.definition(class).is_some() {
         let table = cx.table(class);
         if let Some(entry) = table.index.get(&name(wanted)).map(|k| table.entries[*k].clone())
@@ -107,33 +280,42 @@ fn member(cx: &mut Evaluator<'_>, class: ClassId, wanted: &str) -> Option<Target
         }
     }
     let holder = cx.classes[class].holder;
-    cx.member_class(class, name(wanted), holder).map(Target::Class)
+    let found = cx.member_class(class, name(wanted), holder).map(Target::Class);
+    found.or_else(|| literal(cx, class, wanted))
 }
 
 /// The class of a component, or the class itself.
 pub(super) fn class_of(cx: &mut Evaluator<'_>, target: &Target) -> Option<ClassId> {
     match target {
         Target::Class(class) => Some(*class),
+        Target::Literal(_) => None,
         Target::Component(entry) => {
             let EntryKind::Component(declaration) = &entry.kind else { return None };
-            let scope = Scope { instance: cx.classes[entry.class].holder, class: entry.class };
-            cx.find_class(&declaration.clause().type_name, scope)
+            // `extends Base(redeclare T a)`: the outermost redeclaration counts.
+            let redeclared = entry.layers.iter().find_map(|(modification, class)| {
+                Some((redeclared_type(modification, &entry.name)?, *class))
+            });
+            let (path, class) = match redeclared {
+                Some((path, class)) => (path, class),
+                None => (declaration.clause().type_name.clone(), entry.class),
+            };
+            let scope = Scope { instance: cx.classes[class].holder, class };
+            cx.find_class(&path, scope)
         }
     }
 }
 
-/// The class whose elements the arguments at a place modify.
-pub(super) fn modified(
-    cx: &mut Evaluator<'_>,
-    class: ClassId,
-    text: &Class,
-    offset: u32,
-) -> Option<ClassId> {
-    let (modification, class) = modification(cx, class, text, offset)?;
-    descend(cx, modification, class, offset, false)
+/// The type that a modification gives to a component.
+fn redeclared_type(modification: &Modification, component: &Ident) -> Option<ast::Path> {
+    modification.args.iter().find_map(|argument| {
+        let ArgumentKind::Redeclare(element) = &argument.kind else { return None };
+        let ElementKind::Components(clause) = &element.kind else { return None };
+        let is_own = clause.components.iter().any(|c| c.name.name == component.name);
+        is_own.then(|| clause.type_name.clone())
+    })
 }
 
-/// As [`modified`], if the place is in the name of an argument, not in its value.
+/// The class whose elements the arguments at a place modify, if the place is in the name of an argument.
 pub(super) fn modified_name(
     cx: &mut Evaluator<'_>,
     class: ClassId,
@@ -141,7 +323,7 @@ pub(super) fn modified_name(
     offset: u32,
 ) -> Option<ClassId> {
     let (modification, class) = modification(cx, class, text, offset)?;
-    descend(cx, modification, class, offset, true)
+    descend(cx, modification, class, offset)
 }
 
 /// The modification of a component or base class around a place, and the class that it modifies.
@@ -180,17 +362,14 @@ fn descend(
     modification: &Modification,
     class: ClassId,
     offset: u32,
-    in_name: bool,
 ) -> Option<ClassId> {
     let holds = |span: Span| span.start <= offset && offset <= span.end;
     if modification.binding.as_ref().is_some_and(|b| holds(b.span)) {
         return None;
     }
-    let Some(Argument {
-        kind: ArgumentKind::Element { path: own, modification: inner, .. }, ..
-    }) = modification.args.iter().find(|arg| holds(arg.span))
-    else {
-        return (!in_name).then_some(class);
+    let argument: &Argument = modification.args.iter().find(|arg| holds(arg.span))?;
+    let ArgumentKind::Element { path: own, modification: inner, .. } = &argument.kind else {
+        return None;
     };
     if holds(own.span) {
         return Some(class);
@@ -199,5 +378,20 @@ fn descend(
     let parts: Vec<String> = own.parts.iter().map(|part| part.name.to_string()).collect();
     let target = path(cx, class, &parts, false)?;
     let class = class_of(cx, &target)?;
-    descend(cx, inner, class, offset, in_name)
+    descend(cx, inner, class, offset)
+}
+
+/// What a dotted name refers to at a place.
+pub(super) fn named(
+    cx: &mut Evaluator<'_>,
+    file: &ast::File,
+    at: u32,
+    parts: &[String],
+) -> Option<Target> {
+    let chain = enclosing(file, at).map(|(chain, _)| chain).unwrap_or_default();
+    let parts: Vec<Name> = parts.iter().map(|part| name(part)).collect();
+    match reference(cx, file, &chain, &parts, false) {
+        Meaning::Declared(target) => Some(target),
+        Meaning::Other | Meaning::Unknown => None,
+    }
 }

@@ -1,18 +1,16 @@
-//! Answers about names: hover, definition, references, rename, completion.
+//! Answers about names: hover, definition, references, highlights, completion.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 use crate::driver::candidates::{Candidate, CandidateKind};
 use crate::driver::catalogue::shipped;
 use crate::driver::compile::{Request, Session};
-use crate::driver::lookup::Found;
 use crate::io::atomic_file::{create_folder, write_file};
 use crate::io::json::Json;
-use crate::parse::token::TokenKind;
 
-use super::position::{address_of, range};
-use super::workspace::{Referring, referring};
+use super::position::Lines;
+use super::workspace::{Referring, Workspace, referring};
 
 /// The declaration of a name, as Markdown.
 pub fn hover(request: &Request, offset: usize) -> Option<Json> {
@@ -30,20 +28,20 @@ pub fn hover(request: &Request, offset: usize) -> Option<Json> {
 }
 
 /// The place of the declaration of a name.
-pub fn definition(request: &Request, offset: usize) -> Option<Json> {
+pub fn definition(workspace: &Workspace, request: &Request, offset: usize) -> Option<Json> {
     let found = Session::default().look_up(request, offset as u32)?;
-    let address = address_of(&readable(&found)?);
-    let (start, end) = found.place;
-    let place = range(&found.text, start as usize, end as usize);
+    let address = workspace.address(&on_disk(&found.path)?);
+    let place = Lines::of(&found.text).place(found.place);
     Some(Json::object([("uri", Json::text(address)), ("range", place)]))
 }
 
-/// A file on disk with the text of a declaration. The shipped library is written to a folder of its version.
-fn readable(found: &Found) -> Option<PathBuf> {
-    if found.path.is_absolute() {
-        return Some(found.path.clone());
+/// A file on disk with the text of a source. Sources of an editor have absolute paths; those of the shipped library have
+/// not, and are written to a folder of its version.
+pub(super) fn on_disk(path: &Path) -> Option<PathBuf> {
+    if path.is_absolute() {
+        return Some(path.to_owned());
     }
-    let inside = found.path.strip_prefix("lib").ok()?;
+    let inside = path.strip_prefix("lib").ok()?;
     let version = env!("CARGO_PKG_VERSION");
     let folder = crate::io::atomic_file::shared_folder(&format!("mocc-library-{version}"));
     let path = folder.join(inside);
@@ -54,60 +52,40 @@ fn readable(found: &Found) -> Option<PathBuf> {
             write_file(&path, &bytes).ok()?;
         }
     }
-    Some(path)
+    path.is_file().then_some(path)
 }
 
-/// All places that refer to the same declaration, in this text and in other files.
+/// All places that refer to the same declaration, in this text and in other files. `declared`: that of the declaration,
+/// too.
 pub fn references(
+    workspace: &Workspace,
     request: &Request,
     offset: usize,
-    open: &BTreeMap<PathBuf, String>,
+    declared: bool,
+    is_cancelled: &AtomicBool,
 ) -> Option<Json> {
-    let (_, all) = referring(request, offset, open)?;
+    let all = referring(workspace, request, offset, None, is_cancelled)?;
     let of = |file: &Referring| {
-        let address = address_of(&file.path);
-        let place = |&(start, end): &(u32, u32)| {
-            let place = range(&file.text, start as usize, end as usize);
-            Json::object([("uri", Json::text(address.as_str())), ("range", place)])
+        let address = workspace.address(&file.path);
+        let lines = Lines::of(&file.text);
+        let wanted = |place: &&(u32, u32)| {
+            declared || file.path != all.found.path || **place != all.found.place
         };
-        file.places.iter().map(place).collect::<Vec<_>>()
+        let place = |place: &(u32, u32)| {
+            let range = lines.place(*place);
+            Json::object([("uri", Json::text(address.as_str())), ("range", range)])
+        };
+        file.occurrences.places.iter().filter(wanted).map(place).collect::<Vec<_>>()
     };
-    Some(Json::list(all.iter().flat_map(of)))
+    Some(Json::list(all.files.iter().flat_map(of)))
 }
 
-/// The edits that give a name another one, in this text and in other files. The error says why there are none.
-pub fn rename(
-    request: &Request,
-    offset: usize,
-    new: &str,
-    open: &BTreeMap<PathBuf, String>,
-) -> Result<Json, String> {
-    let is_name = new.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-        && new.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-    if !is_name {
-        return Err(format!("`{new}` is not a name"));
-    }
-    if TokenKind::KEYWORDS.contains(&new) {
-        return Err(format!("`{new}` is a keyword"));
-    }
-    if Session::default().is_beside(request, offset as u32, new) {
-        return Err(format!("there is already a `{new}` in this class"));
-    }
-    let found = referring(request, offset, open);
-    let (found, all) = found.ok_or("there is no name that can be changed here")?;
-    // A declaration outside of the files that are searched would keep its name.
-    let declared = all.iter().find(|file| file.path == found.path);
-    if declared.is_none_or(|file| !file.places.contains(&found.place)) {
-        return Err(format!("`{}` is declared in {}", found.name, found.path.display()));
-    }
-    let of = |file: &Referring| {
-        let edit = |&(start, end): &(u32, u32)| {
-            let place = range(&file.text, start as usize, end as usize);
-            Json::object([("range", place), ("newText", Json::text(new))])
-        };
-        (address_of(&file.path), Json::list(file.places.iter().map(edit)))
-    };
-    Ok(Json::object([("changes", Json::object(all.iter().map(of)))]))
+/// The places in this text that refer to the same declaration.
+pub fn highlights(request: &Request, offset: usize) -> Option<Json> {
+    let (_, occurrences) = Session::default().occurrences(request, offset as u32)?;
+    let lines = Lines::of(request.text.as_deref().unwrap_or_default());
+    let one = |place: &(u32, u32)| Json::object([("range", lines.place(*place))]);
+    Some(Json::list(occurrences.places.iter().map(one)))
 }
 
 /// The names that may be written.
@@ -121,6 +99,7 @@ pub fn completion(request: &Request, offset: usize) -> Json {
             CandidateKind::Package => 9,
             CandidateKind::Keyword => 14,
             CandidateKind::Literal => 20,
+            CandidateKind::Function => 3,
         };
         let inserted = if c.is_modifier { format!("{} = ", c.name) } else { c.name.clone() };
         let detail = match c.default.as_str() {

@@ -6,7 +6,7 @@ use crate::io::json::Json;
 use crate::parse::lexer::lex;
 use crate::parse::token::TokenKind;
 
-use super::position::line_character;
+use super::position::Lines;
 
 /// The names of the kinds, in the order of their numbers.
 pub const LEGEND: [&str; 8] =
@@ -44,9 +44,10 @@ pub fn tokens(text: &str) -> Json {
     all.sort_unstable();
     let (mut line, mut character) = (0, 0);
     let mut data = Vec::new();
+    let lines = Lines::of(text);
     for (start, end, kind) in all {
         let Some(content) = text.get(start..end) else { continue };
-        let (mut at, mut column) = line_character(text, start);
+        let (mut at, mut column) = lines.line_character(start);
         // A token of the protocol ends with its line.
         for part in content.split('\n') {
             let length = part.trim_end_matches('\r').encode_utf16().count();

@@ -4,7 +4,7 @@ use crate::driver::compile::{Request, Session};
 use crate::driver::hints::runnable;
 use crate::io::json::Json;
 
-use super::position::{line_character, range};
+use super::position::Lines;
 
 /// The lenses: title, and the command that the client runs with the file and the name of the model.
 const LENSES: [(&str, &str); 3] =
@@ -14,7 +14,7 @@ const LENSES: [(&str, &str); 3] =
 pub fn lenses(request: &Request) -> Json {
     let text = request.text.as_deref().unwrap_or_default();
     let file = request.file.as_deref().map(|f| f.display().to_string()).unwrap_or_default();
-    let mut out = Vec::new();
+    let (lines, mut out) = (Lines::of(text), Vec::new());
     for model in runnable(text) {
         for (title, command) in LENSES {
             let arguments = [Json::text(file.as_str()), Json::text(model.name.as_str())];
@@ -23,9 +23,7 @@ pub fn lenses(request: &Request) -> Json {
                 ("command", Json::text(command)),
                 ("arguments", Json::list(arguments)),
             ]);
-            let (start, end) = model.place;
-            let place = range(text, start as usize, end as usize);
-            out.push(Json::object([("range", place), ("command", command)]));
+            out.push(Json::object([("range", lines.place(model.place)), ("command", command)]));
         }
     }
     Json::list(out)
@@ -34,13 +32,11 @@ pub fn lenses(request: &Request) -> Json {
 /// The hints in a part of a text, by bytes.
 pub fn hints(request: &Request, (from, to): (usize, usize)) -> Json {
     let text = request.text.as_deref().unwrap_or_default();
+    let lines = Lines::of(text);
     let hints = Session::hints(request, (from as u32, to as u32));
     Json::list(hints.into_iter().map(|hint| {
-        let (line, character) = line_character(text, hint.at as usize);
-        let position =
-            Json::object([("line", Json::count(line)), ("character", Json::count(character))]);
         Json::object([
-            ("position", position),
+            ("position", lines.position(hint.at as usize)),
             ("label", Json::text(hint.text)),
             ("paddingLeft", Json::flag(true)),
         ])

@@ -2,7 +2,9 @@
 //!
 //! *In:* messages of a client ([`message`]), which changes texts and asks about them. *Out:* diagnostics after each
 //! change, and answers ([`server`]): outline and folds ([`outline`]), colours ([`colours`]), declarations and candidates
-//! ([`answers`]), also in other files ([`workspace`]), keys of plans ([`plan_keys`]), hints and lenses ([`lenses`]), repairs ([`repairs`]). Positions count lines and UTF-16 units from 0 ([`position`]).
+//! ([`answers`]), also in other files ([`workspace`]), other names ([`rename`]), classes and calls ([`symbols`]), keys of
+//! plans ([`plan_keys`]), hints and lenses ([`lenses`]), repairs ([`repairs`]). Positions count lines and UTF-16 units from
+//! 0 ([`position`]). Answers and checks are computed on threads of their own ([`jobs`]), from copies of the texts.
 //!
 //! The few types of the protocol that are used are built as JSON; the crates that declare all of them would double the
 //! time that a build takes.
@@ -10,12 +12,15 @@
 pub mod answers;
 pub mod colours;
 pub mod diagnostics;
+pub mod jobs;
 pub mod lenses;
 pub mod message;
 pub mod outline;
 pub mod plan_keys;
 pub mod plans;
 pub mod position;
+pub mod rename;
 pub mod repairs;
 pub mod server;
+pub mod symbols;
 pub mod workspace;

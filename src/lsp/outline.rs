@@ -7,7 +7,7 @@ use crate::io::json::Json;
 use crate::ir::ast::{Class, ClassBody, ElementKind, File, Variability};
 use crate::parse::grammar::parse;
 
-use super::position::{line_character, range};
+use super::position::Lines;
 
 /// Kinds of symbols in the protocol.
 const MODULE: usize = 2;
@@ -18,7 +18,8 @@ const VARIABLE: usize = 13;
 const CONSTANT: usize = 14;
 const INTERFACE: usize = 11;
 
-fn tree(text: &str) -> File {
+/// The syntax tree of a text that may be unfinished.
+pub(super) fn tree(text: &str) -> File {
     let (mut sources, mut problems) = (SourceMap::default(), Problems::new());
     let id = sources.add("text.mo", text);
     parse(id, text, &mut problems)
@@ -26,10 +27,11 @@ fn tree(text: &str) -> File {
 
 /// The classes and components of a text, nested.
 pub fn symbols(text: &str) -> Json {
-    Json::list(tree(text).classes.iter().map(|class| of_class(class, text)))
+    let lines = Lines::of(text);
+    Json::list(tree(text).classes.iter().map(|class| of_class(class, &lines)))
 }
 
-fn of_class(class: &Class, text: &str) -> Json {
+fn of_class(class: &Class, lines: &Lines<'_>) -> Json {
     let number = match kind(class) {
         "package" => MODULE,
         "function" => FUNCTION,
@@ -40,7 +42,7 @@ fn of_class(class: &Class, text: &str) -> Json {
     if let ClassBody::Long(composition) = &class.body {
         for element in &composition.elements {
             match &element.kind {
-                ElementKind::Class(inner) => children.push(of_class(inner, text)),
+                ElementKind::Class(inner) => children.push(of_class(inner, lines)),
                 ElementKind::Components(clause) => {
                     let number = match clause.prefix.variability {
                         Some(Variability::Parameter | Variability::Constant) => CONSTANT,
@@ -51,7 +53,7 @@ fn of_class(class: &Class, text: &str) -> Json {
                         let name = component.name.name.to_string();
                         let detail = clause.type_name.to_string();
                         let place = (element.span, component.name.span);
-                        children.push(symbol(&name, &detail, number, place, Vec::new(), text));
+                        children.push(symbol(&name, &detail, number, place, Vec::new(), lines));
                     }
                 }
                 _ => {}
@@ -60,7 +62,7 @@ fn of_class(class: &Class, text: &str) -> Json {
     }
     let detail = class.description.as_deref().unwrap_or_default();
     let place = (class.span, class.name.span);
-    symbol(&class.name.name, detail, number, place, children, text)
+    symbol(&class.name.name, detail, number, place, children, lines)
 }
 
 fn symbol(
@@ -69,7 +71,7 @@ fn symbol(
     kind: usize,
     (whole, own): (Span, Span),
     children: Vec<Json>,
-    text: &str,
+    lines: &Lines<'_>,
 ) -> Json {
     // The protocol asks for the name within the whole.
     let (start, end) = (whole.start.min(own.start), whole.end.max(own.end));
@@ -77,19 +79,19 @@ fn symbol(
         ("name", Json::text(name)),
         ("detail", Json::text(detail)),
         ("kind", Json::count(kind)),
-        ("range", range(text, start as usize, end as usize)),
-        ("selectionRange", range(text, own.start as usize, own.end as usize)),
+        ("range", lines.place((start, end))),
+        ("selectionRange", lines.place((own.start, own.end))),
         ("children", Json::list(children)),
     ])
 }
 
 /// Classes, and comments of several lines.
 pub fn folds(text: &str) -> Json {
-    let tree = tree(text);
+    let (tree, lines) = (tree(text), Lines::of(text));
     let mut out = Vec::new();
     let mut add = |start: u32, end: u32, kind: &str| {
-        let (first, last) =
-            (line_character(text, start as usize).0, line_character(text, end as usize).0);
+        let line = |at: u32| lines.line_character(at as usize).0;
+        let (first, last) = (line(start), line(end));
         if last > first {
             out.push(Json::object([
                 ("startLine", Json::count(first)),

@@ -13,6 +13,12 @@ use crate::driver::project;
 use crate::optimize::run::{OptimizeError, check as check_design};
 use crate::regression::test_file;
 
+/// Tables that plans alone have.
+const TABLES: [&str; 3] = ["goal", "free", "signals"];
+
+/// Endings of the files of models.
+const MODELS: [&str; 3] = [".mo", ".mol", ".fmu"];
+
 /// A TOML file to check.
 pub struct Plan<'p> {
     /// The file.
@@ -54,6 +60,25 @@ pub fn check(plan: &Plan<'_>, session: &mut Session) -> Result<(), Wrong> {
         true => design(plan, text, session),
         false => calibration(plan, text, session),
     }
+}
+
+/// Whether a TOML file is one of mocc's, by its name or its keys: other tools have files of this form, too.
+pub fn is_plan(path: &Path, text: &str) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    if name == project::NAME || name.ends_with(".test.toml") {
+        return true;
+    }
+    let is_table = |line: &str| {
+        let name = line.trim_start().strip_prefix('[').and_then(|rest| rest.split(']').next());
+        name.is_some_and(|name| TABLES.contains(&name.trim().split('.').next().unwrap_or_default()))
+    };
+    let is_model = |line: &str| {
+        let Some((key, value)) = line.split_once('=') else { return false };
+        let value = value.trim_start().trim_start_matches(['"', '\'']);
+        let value = value.split(['"', '\'']).next().unwrap_or_default();
+        key.trim() == "model" && MODELS.iter().any(|ending| value.ends_with(ending))
+    };
+    text.lines().any(|line| is_table(line) || is_model(line))
 }
 
 /// Whether a plan has a goal, as those of designs do.
@@ -103,7 +128,20 @@ fn design(plan: &Plan<'_>, text: String, session: &mut Session) -> Result<(), Wr
 
 #[cfg(test)]
 mod tests {
-    use super::is_design;
+    use std::path::Path;
+
+    use super::{is_design, is_plan};
+
+    #[test]
+    fn plans_have_the_keys_of_plans() {
+        let is = |name: &str, text: &str| is_plan(Path::new(name), text);
+        assert!(
+            is("p.toml", "model = \"valve.mo\"\n") && is("p.toml", "data = 1\n[ free ]\nm = {}")
+        );
+        assert!(is("mocc.toml", "") && is("a.test.toml", ""));
+        assert!(!is("Cargo.toml", "[package]\nname = \"x\"\n[signals_of]\n"));
+        assert!(!is("pyproject.toml", "[tool.x]\nmodel = \"gpt\"\n"));
+    }
 
     #[test]
     fn a_design_has_a_goal() {

@@ -2,49 +2,73 @@
 
 use crate::io::json::Json;
 
-/// The byte offset of a position; the end of its line or of the text if it is beyond them.
-pub fn offset(text: &str, line: usize, character: usize) -> usize {
-    let mut start = 0;
-    for _ in 0..line {
-        match text[start..].find('\n') {
-            Some(at) => start += at + 1,
-            None => return text.len(),
+/// A text and the starts of its lines, which all positions in it share.
+pub struct Lines<'t> {
+    text: &'t str,
+    starts: Vec<usize>,
+}
+
+impl<'t> Lines<'t> {
+    /// The lines of a text.
+    pub fn of(text: &'t str) -> Lines<'t> {
+        let ends = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(at, _)| at + 1);
+        Lines { text, starts: std::iter::once(0).chain(ends).collect() }
+    }
+
+    /// The text.
+    pub fn text(&self) -> &'t str {
+        self.text
+    }
+
+    /// The byte offset of a position; the end of its line or of the text if it is beyond them.
+    pub fn offset(&self, line: usize, character: usize) -> usize {
+        let Some(&start) = self.starts.get(line) else { return self.text.len() };
+        let end = self.starts.get(line + 1).map_or(self.text.len(), |next| next - 1);
+        let own = &self.text[start..end];
+        // A line does not hold its end, of whichever form.
+        let own = own.strip_suffix('\r').filter(|_| end < self.text.len()).unwrap_or(own);
+        let mut units = 0;
+        for (at, c) in own.char_indices() {
+            if units >= character {
+                return start + at;
+            }
+            units += c.len_utf16();
         }
+        start + own.len()
     }
-    let mut units = 0;
-    for (at, c) in text[start..].char_indices() {
-        if units >= character || c == '\n' {
-            return start + at;
+
+    /// The offset of the position in a JSON object.
+    pub fn offset_of(&self, position: &Json) -> usize {
+        let of = |key| position.count_at(&[key]).unwrap_or(0);
+        self.offset(of("line"), of("character"))
+    }
+
+    /// Line and UTF-16 units of a byte offset.
+    pub fn line_character(&self, offset: usize) -> (usize, usize) {
+        let mut offset = offset.min(self.text.len());
+        while !self.text.is_char_boundary(offset) {
+            offset -= 1;
         }
-        units += c.len_utf16();
+        let line = self.starts.partition_point(|start| *start <= offset) - 1;
+        (line, self.text[self.starts[line]..offset].encode_utf16().count())
     }
-    text.len()
-}
 
-/// The offset of the position in a JSON object.
-pub fn offset_of(text: &str, position: &Json) -> usize {
-    let of = |key| position.count_at(&[key]).unwrap_or(0);
-    offset(text, of("line"), of("character"))
-}
-
-/// Line and UTF-16 units of a byte offset.
-pub fn line_character(text: &str, offset: usize) -> (usize, usize) {
-    let mut offset = offset.min(text.len());
-    while !text.is_char_boundary(offset) {
-        offset -= 1;
-    }
-    let before = &text[..offset];
-    let start = before.rfind('\n').map_or(0, |at| at + 1);
-    (before.matches('\n').count(), before[start..].encode_utf16().count())
-}
-
-/// The range of bytes `start..end`.
-pub fn range(text: &str, start: usize, end: usize) -> Json {
-    let position = |offset| {
-        let (line, character) = line_character(text, offset);
+    /// A position as the protocol writes it.
+    pub fn position(&self, offset: usize) -> Json {
+        let (line, character) = self.line_character(offset);
         Json::object([("line", Json::count(line)), ("character", Json::count(character))])
-    };
-    Json::object([("start", position(start)), ("end", position(end.max(start)))])
+    }
+
+    /// The range of bytes `start..end`.
+    pub fn range(&self, start: usize, end: usize) -> Json {
+        let (start, end) = (self.position(start), self.position(end.max(start)));
+        Json::object([("start", start), ("end", end)])
+    }
+
+    /// The range of a place in bytes.
+    pub fn place(&self, (start, end): (u32, u32)) -> Json {
+        self.range(start as usize, end as usize)
+    }
 }
 
 /// The path of a `file:` address; none for other addresses.
@@ -93,12 +117,16 @@ mod tests {
 
     #[test]
     fn positions_count_utf16_units() {
-        let text = "aä\n😀x\nend";
-        assert_eq!(offset(text, 1, 2), text.find('x').unwrap());
-        assert_eq!(line_character(text, text.find('x').unwrap()), (1, 2));
-        assert_eq!(offset(text, 0, 99), 3);
-        assert_eq!(offset(text, 9, 0), text.len());
-        assert_eq!(line_character(text, text.len()), (2, 3));
+        let text = "aä\n😀x\r\nend";
+        let lines = Lines::of(text);
+        assert_eq!(lines.offset(1, 2), text.find('x').unwrap());
+        assert_eq!(lines.line_character(text.find('x').unwrap()), (1, 2));
+        assert_eq!(lines.offset(0, 99), 3);
+        assert_eq!(lines.offset(1, 99), text.find('\r').unwrap());
+        assert_eq!(lines.offset(9, 0), text.len());
+        assert_eq!(lines.line_character(text.len()), (2, 3));
+        assert_eq!(Lines::of("").line_character(0), (0, 0));
+        assert_eq!(Lines::of("").offset(0, 1), 0);
     }
 
     #[test]

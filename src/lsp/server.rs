@@ -1,31 +1,67 @@
-//! The server: keeps the texts of the client, answers its requests, and reports diagnostics when it pauses.
+//! The server: keeps the texts of the client, and hands its requests and the checks of texts to threads.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::io::{self, BufRead, Write};
-use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 
 use super::answers;
 use super::colours;
-use super::diagnostics::{Placed, check, check_plan, json};
+use super::diagnostics::{Placed, check, check_plan, files_of, json};
+use super::jobs::Worker;
 use super::lenses;
-use super::message::{answer, notification, read, refusal, write};
+use super::message::{Received, answer, notification, read, refusal, write};
 use super::outline;
 use super::plan_keys;
-use super::plans::Plan;
-use super::position::{offset_of, path_of, range};
+use super::plans::{Plan, is_plan};
+use super::position::{Lines, path_of};
+use super::rename;
 use super::repairs;
-use crate::base::diag::Problems;
+use super::symbols;
+use super::workspace::Workspace;
+use crate::base::diag::Severity;
 use crate::base::source::SourceMap;
 use crate::driver::compile::Request;
-use crate::driver::project;
+use crate::driver::files::canonical_folders;
+use crate::driver::open_texts::{OpenTexts, canonical};
+use crate::driver::project::NAME;
 use crate::format::format;
 use crate::io::json::Json;
 
 /// Errors of the protocol.
+const PARSE_ERROR: f64 = -32700.0;
+const INVALID_REQUEST: f64 = -32600.0;
 const METHOD_NOT_FOUND: f64 = -32601.0;
+const INVALID_PARAMETERS: f64 = -32602.0;
+const INTERNAL_ERROR: f64 = -32603.0;
+const NOT_INITIALIZED: f64 = -32002.0;
 const REQUEST_FAILED: f64 = -32803.0;
+const CANCELLED: f64 = -32800.0;
+
+/// Requests that are answered later; all but one are about a text.
+const KNOWN: [&str; 16] = [
+    "textDocument/codeAction",
+    "textDocument/codeLens",
+    "textDocument/completion",
+    "textDocument/definition",
+    "textDocument/documentHighlight",
+    "textDocument/documentSymbol",
+    "textDocument/foldingRange",
+    "textDocument/formatting",
+    "textDocument/hover",
+    "textDocument/inlayHint",
+    "textDocument/prepareRename",
+    "textDocument/references",
+    "textDocument/rename",
+    "textDocument/semanticTokens/full",
+    "textDocument/signatureHelp",
+    SYMBOL,
+];
+/// The request that is about no text.
+const SYMBOL: &str = "workspace/symbol";
 
 /// How the client ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -39,16 +75,69 @@ pub enum Ended {
 /// A text of the client.
 struct Document {
     text: String,
-    /// Changed since its diagnostics were reported.
+    /// Its file, without links.
+    path: PathBuf,
+    /// The number that the client gave it.
+    version: Option<Json>,
+    /// Changed, itself or a file that it depends on, since it was checked.
     changed: bool,
+    /// How often it has become `changed`.
+    edition: u64,
     placed: Vec<Placed>,
+    /// The files that its last check has read.
+    reads: BTreeSet<PathBuf>,
 }
+
+impl Document {
+    fn new(text: String, address: &str, version: Option<Json>) -> Document {
+        let path = path_of(address).map_or_else(|| "untitled.mo".into(), |path| canonical(&path));
+        let (placed, reads) = (Vec::new(), BTreeSet::new());
+        Document { text, path, version, changed: true, edition: 0, placed, reads }
+    }
+
+    fn touch(&mut self) {
+        self.changed = true;
+        self.edition += 1;
+    }
+}
+
+/// What the server waits for.
+enum Event {
+    Received(io::Result<Received>),
+    /// The answer to a request.
+    Answered {
+        id: Json,
+        answer: Answer,
+    },
+    /// The diagnostics of an edition of a text; none if the check has panicked.
+    Checked {
+        address: String,
+        edition: u64,
+        checked: Option<Checked>,
+    },
+}
+
+struct Checked {
+    placed: Vec<Placed>,
+    diagnostics: Json,
+    reads: BTreeSet<PathBuf>,
+}
+
+/// The result of a request, or a code and the reason why there is none.
+type Answer = Result<Json, (f64, String)>;
 
 struct Server<W> {
     out: W,
     documents: BTreeMap<String, Document>,
-    modelica_path: Option<OsString>,
+    workspace: Workspace,
+    initialized: bool,
     shut_down: bool,
+    answers: Worker,
+    checks: Worker,
+    is_checking: bool,
+    events: Sender<Event>,
+    /// The requests that are not answered yet, by their numbers, and whether the client has withdrawn them.
+    waiting: BTreeMap<String, Arc<AtomicBool>>,
 }
 
 /// Serves a client until it ends the connection. `modelica_path` is the value of `MODELICAPATH`.
@@ -57,65 +146,138 @@ pub fn serve(
     out: impl Write,
     modelica_path: Option<OsString>,
 ) -> io::Result<Ended> {
-    let (sender, messages) = channel();
+    let (events, received) = channel();
+    let sender = events.clone();
     // Reading on a thread of its own shows whether more changes wait, so only the last is checked.
     std::thread::Builder::new().name("read".into()).spawn(move || {
         loop {
             let message = read(&mut input);
-            let is_last = !matches!(message, Ok(Some(_)));
-            if sender.send(message).is_err() || is_last {
+            let is_last = matches!(message, Ok(Received::End) | Err(_));
+            if sender.send(Event::Received(message)).is_err() || is_last {
                 break;
             }
         }
     })?;
-    let documents = BTreeMap::new();
-    let mut server = Server { out, documents, modelica_path, shut_down: false };
-    server.run(&messages)
+    let mut server = Server {
+        out,
+        documents: BTreeMap::new(),
+        workspace: Workspace {
+            open: OpenTexts::new(BTreeMap::new()),
+            modelica_path: canonical_folders(modelica_path.as_deref()),
+            ..Workspace::default()
+        },
+        initialized: false,
+        shut_down: false,
+        answers: Worker::start("answer")?,
+        checks: Worker::start("check")?,
+        is_checking: false,
+        events,
+        waiting: BTreeMap::new(),
+    };
+    server.run(&received)
 }
 
 impl<W: Write> Server<W> {
-    fn run(&mut self, messages: &Receiver<io::Result<Option<Json>>>) -> io::Result<Ended> {
-        let ended = |server: &Self| if server.shut_down { Ended::Orderly } else { Ended::Abruptly };
+    fn run(&mut self, events: &Receiver<Event>) -> io::Result<Ended> {
         loop {
-            let message = match messages.try_recv() {
-                Ok(message) => message,
+            let event = match events.try_recv() {
+                Ok(event) => Some(event),
                 Err(TryRecvError::Empty) => {
-                    self.report()?;
-                    match messages.recv() {
-                        Ok(message) => message,
-                        Err(_) => return Ok(ended(self)),
-                    }
+                    self.check_next();
+                    events.recv().ok()
                 }
-                Err(TryRecvError::Disconnected) => return Ok(ended(self)),
+                Err(TryRecvError::Disconnected) => None,
             };
-            let Some(message) = message? else { return Ok(ended(self)) };
-            let method = message.text_at(&["method"]).unwrap_or_default().to_owned();
-            if method == "exit" {
-                return Ok(ended(self));
-            }
-            match message.at(&["id"]) {
-                Some(id) if !method.is_empty() => {
-                    let reply = match self.request(&method, &message) {
-                        Ok(Some(result)) => answer(id, result),
-                        Ok(None) => refusal(id, METHOD_NOT_FOUND, &format!("no method `{method}`")),
-                        Err(why) => refusal(id, REQUEST_FAILED, &why),
-                    };
-                    write(&mut self.out, &reply)?;
+            let ended = match event {
+                None | Some(Event::Received(Ok(Received::End))) => true,
+                Some(Event::Received(Err(why))) => return Err(why),
+                Some(Event::Received(Ok(Received::Broken(why)))) => {
+                    write(&mut self.out, &refusal(Json::null(), PARSE_ERROR, &why))?;
+                    false
                 }
-                _ => self.notified(&method, &message)?,
+                Some(Event::Received(Ok(Received::Message(message)))) => self.message(&message)?,
+                Some(Event::Answered { id, answer }) => {
+                    self.reply(id, answer)?;
+                    false
+                }
+                Some(Event::Checked { address, edition, checked }) => {
+                    self.is_checking = false;
+                    self.checked(&address, edition, checked)?;
+                    false
+                }
+            };
+            if ended && !self.shut_down {
+                self.answer_rest(events)?;
             }
+            if ended {
+                return Ok(if self.shut_down { Ended::Orderly } else { Ended::Abruptly });
+            }
+        }
+    }
+
+    /// Waits for the answers to the requests of a client that has said everything.
+    fn answer_rest(&mut self, events: &Receiver<Event>) -> io::Result<()> {
+        while !self.waiting.is_empty() {
+            if let Ok(Event::Answered { id, answer }) = events.recv() {
+                self.reply(id, answer)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Deals with a message; true if it is the last one.
+    fn message(&mut self, message: &Json) -> io::Result<bool> {
+        let id = message.at(&["id"]);
+        let Some(method) = message.text_at(&["method"]).filter(|method| !method.is_empty()) else {
+            // An answer to something that the server never asks is nothing.
+            let is_answer = ["result", "error"].iter().any(|key| message.at(&[key]).is_some());
+            if !is_answer {
+                let why = "this is neither a request nor a notification";
+                let id = id.unwrap_or_else(Json::null);
+                write(&mut self.out, &refusal(id, INVALID_REQUEST, why))?;
+            }
+            return Ok(false);
+        };
+        let method = method.to_owned();
+        if method == "exit" {
+            return Ok(true);
+        }
+        match id {
+            None if self.initialized => self.notified(&method, message)?,
+            // Before the client has introduced itself, notifications are dropped.
+            None => {}
+            Some(id) => match self.request(&id, &method, message) {
+                Some(answer) => write(&mut self.out, &message_of(id, answer))?,
+                None => {}
+            },
+        }
+        Ok(false)
+    }
+
+    /// Sends an answer, unless the request has been withdrawn.
+    fn reply(&mut self, id: Json, answer: Answer) -> io::Result<()> {
+        match self.waiting.remove(&id.compact()) {
+            Some(_) => write(&mut self.out, &message_of(id, answer)),
+            None => Ok(()),
         }
     }
 
     /// Changes of texts.
     fn notified(&mut self, method: &str, message: &Json) -> io::Result<()> {
         let address = message.text_at(&["params", "textDocument", "uri"]).unwrap_or_default();
+        let version = message.at(&["params", "textDocument", "version"]);
         match method {
             "textDocument/didOpen" => {
                 let text = message.text_at(&["params", "textDocument", "text"]).unwrap_or_default();
-                let document =
-                    Document { text: text.to_owned(), changed: true, placed: Vec::new() };
+                let document = Document::new(text.to_owned(), address, version);
+                // Most files are opened as they are on disk.
+                let is_new = self.workspace.text(&document.path).as_deref() != Some(text);
+                let path = document.path.clone();
                 self.documents.insert(address.to_owned(), document);
+                self.opened();
+                if is_new {
+                    self.touch_dependents(&path, address);
+                }
             }
             "textDocument/didChange" => {
                 let Some(document) = self.documents.get_mut(address) else { return Ok(()) };
@@ -124,142 +286,337 @@ impl<W: Write> Server<W> {
                     match change.at(&["range"]) {
                         None => document.text = new.to_owned(),
                         Some(place) => {
-                            let of =
-                                |key| place.at(&[key]).map_or(0, |p| offset_of(&document.text, &p));
+                            let lines = Lines::of(&document.text);
+                            let of = |key| place.at(&[key]).map_or(0, |p| lines.offset_of(&p));
                             let (start, end) = (of("start"), of("end"));
                             document.text.replace_range(start..end.max(start), new);
                         }
                     }
                 }
-                document.changed = true;
+                document.version = version;
+                document.touch();
+                let path = document.path.clone();
+                self.opened();
+                self.touch_dependents(&path, address);
             }
             // A file on disk may be one of a library of any text.
-            "textDocument/didSave" | "workspace/didChangeWatchedFiles" => {
-                self.documents.values_mut().for_each(|document| document.changed = true);
+            "textDocument/didSave" => self.saved(address),
+            "workspace/didChangeWatchedFiles" => {
+                for change in message.items_at(&["params", "changes"]) {
+                    self.saved(change.text_at(&["uri"]).unwrap_or_default());
+                }
             }
             "textDocument/didClose" => {
-                self.documents.remove(address);
-                self.publish(address, Json::list([]))?;
+                let closed = self.documents.remove(address);
+                self.opened();
+                // Changes that were not saved are gone.
+                if let Some(closed) = closed {
+                    self.touch_dependents(&closed.path, address);
+                }
+                self.publish(address, Json::list([]), None)?;
+            }
+            "$/cancelRequest" => {
+                let Some(id) = message.at(&["params", "id"]) else { return Ok(()) };
+                if let Some(is_cancelled) = self.waiting.remove(&id.compact()) {
+                    is_cancelled.store(true, Ordering::Relaxed);
+                    write(&mut self.out, &refusal(id, CANCELLED, "the request was withdrawn"))?;
+                }
             }
             _ => {}
         }
         Ok(())
     }
 
-    /// Reports the diagnostics of the texts that have changed.
-    fn report(&mut self) -> io::Result<()> {
-        let changed: Vec<String> =
-            self.documents.iter().filter(|(_, d)| d.changed).map(|(a, _)| a.clone()).collect();
-        for address in changed {
-            let Some(request) = self.compiled(&address) else { continue };
-            let toml = request.file.as_deref().filter(|f| is_toml(&f.to_string_lossy()));
-            let (placed, session) = match toml {
-                None => check(&request),
-                Some(path) => check_plan(&Plan {
-                    path,
-                    text: request.text.clone(),
-                    modelica_path: self.modelica_path.clone(),
-                }),
-            };
-            let text = request.text.as_deref().unwrap_or_default();
-            let all = json(&placed, text, &session);
-            if let Some(document) = self.documents.get_mut(&address) {
-                (document.changed, document.placed) = (false, placed);
-            }
-            self.publish(&address, all)?;
-        }
-        Ok(())
+    /// Makes the texts of the client known to answers and checks.
+    fn opened(&mut self) {
+        let all = self.documents.iter().filter(|(address, _)| path_of(address).is_some());
+        let texts = all.clone().map(|(_, d)| (d.path.clone(), Arc::from(d.text.as_str())));
+        self.workspace.open = OpenTexts::new(texts.collect());
+        let addresses = all.map(|(address, d)| (d.path.clone(), address.clone()));
+        self.workspace.addresses = Arc::new(addresses.collect());
     }
 
-    fn publish(&mut self, address: &str, diagnostics: Json) -> io::Result<()> {
-        let parameters = Json::object([("uri", Json::text(address)), ("diagnostics", diagnostics)]);
+    /// The texts that depend on a file are checked again. Texts with errors may wait for any file.
+    fn touch_dependents(&mut self, path: &Path, address: &str) {
+        for (other, document) in &mut self.documents {
+            let has_errors = || {
+                let mut all = document.placed.iter();
+                all.any(|placed| placed.diagnostic.severity == Severity::Error)
+            };
+            if other != address && (document.reads.contains(path) || has_errors()) {
+                document.touch();
+            }
+        }
+    }
+
+    /// A file has another content on disk.
+    fn saved(&mut self, address: &str) {
+        let Some(path) = path_of(address).map(|path| canonical(&path)) else { return };
+        if path.file_name().is_some_and(|name| name == NAME) {
+            self.documents.values_mut().for_each(Document::touch);
+            return;
+        }
+        // Texts of the client go before those on disk, and their changes are known; but plans are checked with the files.
+        let is_open = self.documents.values().any(|document| document.path == path);
+        for document in self.documents.values_mut() {
+            let depends = document.reads.contains(&path) && document.path != path;
+            if depends && (!is_open || is_toml(&document.path)) {
+                document.touch();
+            }
+        }
+        if !is_open {
+            self.touch_dependents(&path, "");
+        }
+    }
+
+    /// Checks a text that has changed, while no other is checked.
+    fn check_next(&mut self) {
+        if self.is_checking {
+            return;
+        }
+        let Some((address, document)) = self.documents.iter().find(|(_, d)| d.changed) else {
+            return;
+        };
+        let (address, edition) = (address.clone(), document.edition);
+        let (path, text) = (document.path.clone(), document.text.clone());
+        let workspace = self.workspace.clone();
+        self.is_checking = true;
+        let event = move |checked| Event::Checked { address, edition, checked };
+        self.checks.run(move || checked(&workspace, &path, text), event, &self.events);
+    }
+
+    /// Publishes diagnostics, unless the text has changed since.
+    fn checked(&mut self, address: &str, edition: u64, checked: Option<Checked>) -> io::Result<()> {
+        let found = self.documents.get_mut(address).filter(|d| d.edition == edition);
+        let Some(document) = found else { return Ok(()) };
+        document.changed = false;
+        let Some(checked) = checked else { return Ok(()) };
+        (document.placed, document.reads) = (checked.placed, checked.reads);
+        let version = document.version.clone();
+        self.publish(address, checked.diagnostics, version)
+    }
+
+    fn publish(
+        &mut self,
+        address: &str,
+        diagnostics: Json,
+        version: Option<Json>,
+    ) -> io::Result<()> {
+        let mut parameters = vec![("uri", Json::text(address)), ("diagnostics", diagnostics)];
+        parameters.extend(version.map(|version| ("version", version)));
+        let parameters = Json::object(parameters);
         write(&mut self.out, &notification("textDocument/publishDiagnostics", parameters))
     }
 
-    /// The request that compiles a text.
-    fn compiled(&self, address: &str) -> Option<Request> {
-        let text = self.documents.get(address)?.text.clone();
-        let file = path_of(address).unwrap_or_else(|| "untitled.mo".into());
-        let (mut sources, mut problems) = (SourceMap::default(), Problems::new());
-        let project = project::of(Some(&file), &mut sources, &mut problems);
-        Some(Request {
-            text: Some(text),
-            folders: project.libraries.into_iter().filter(|folder| folder.is_dir()).collect(),
-            readable: project.allow_read,
-            modelica_path: self.modelica_path.clone(),
-            ..Request::new(Some(file), None)
-        })
-    }
-
-    /// The texts of the client by their files.
-    fn open(&self) -> BTreeMap<PathBuf, String> {
-        let all = self.documents.iter();
-        all.filter_map(|(address, d)| Some((path_of(address)?, d.text.clone()))).collect()
-    }
-
-    /// The answer to a request; none if there is no such method. The error says why it failed.
-    fn request(&mut self, method: &str, message: &Json) -> Result<Option<Json>, String> {
+    /// The answer to a request; none if it comes later.
+    fn request(&mut self, id: &Json, method: &str, message: &Json) -> Option<Answer> {
+        if self.shut_down {
+            return Some(Err((INVALID_REQUEST, "the server is shutting down".to_owned())));
+        }
         match method {
-            "initialize" => return Ok(Some(capabilities())),
+            "initialize" if self.initialized => {
+                return Some(Err((INVALID_REQUEST, "the server is initialized".to_owned())));
+            }
+            "initialize" => {
+                self.initialize(message);
+                return Some(Ok(capabilities()));
+            }
+            _ if !self.initialized => {
+                return Some(Err((NOT_INITIALIZED, "the server is not initialized".to_owned())));
+            }
             "shutdown" => {
                 self.shut_down = true;
-                return Ok(Some(Json::null()));
+                return Some(Ok(Json::null()));
+            }
+            _ if !KNOWN.contains(&method) => {
+                return Some(Err((METHOD_NOT_FOUND, format!("no method `{method}`"))));
             }
             _ => {}
         }
+        if let Some(why) = lacking(method, message) {
+            return Some(Err((INVALID_PARAMETERS, format!("`{method}` needs {why}"))));
+        }
         let address = message.text_at(&["params", "textDocument", "uri"]).unwrap_or_default();
-        let Some(compiled) = self.compiled(address) else { return Ok(Some(Json::null())) };
-        let text = compiled.text.as_deref().unwrap_or_default();
-        let place = |keys: &[&str]| message.at(keys).map_or(0, |p| offset_of(text, &p));
+        let document = self.documents.get(address);
+        if document.is_none() && method != SYMBOL {
+            return Some(Ok(Json::null()));
+        }
+        if method == "textDocument/codeAction" {
+            return document.map(|document| Ok(repairs(document, address, message)));
+        }
+        let (path, text) = document.map(|d| (d.path.clone(), d.text.clone())).unwrap_or_default();
+        let is_cancelled = Arc::new(AtomicBool::new(false));
+        self.waiting.insert(id.compact(), Arc::clone(&is_cancelled));
+        let (workspace, method, message) =
+            (self.workspace.clone(), method.to_owned(), message.clone());
+        let by = move || {
+            if is_cancelled.load(Ordering::Relaxed) {
+                return Ok(Json::null());
+            }
+            let asked = Asked { workspace, path, text, method, message, is_cancelled };
+            asked.answer().map_err(|why| (REQUEST_FAILED, why))
+        };
+        let id = id.clone();
+        let event = move |answer: Option<Answer>| {
+            let bug = || Err((INTERNAL_ERROR, "this is a bug in mocc".to_owned()));
+            Event::Answered { id, answer: answer.unwrap_or_else(bug) }
+        };
+        self.answers.run(by, event, &self.events);
+        None
+    }
+
+    fn initialize(&mut self, message: &Json) {
+        self.initialized = true;
+        let folders = message.items_at(&["params", "workspaceFolders"]);
+        let root = message.text_at(&["params", "rootUri"]);
+        let root = root.filter(|_| folders.is_empty());
+        let addresses = folders.iter().filter_map(|folder| folder.text_at(&["uri"])).chain(root);
+        let folders = addresses.filter_map(path_of).map(|path| canonical(&path)).collect();
+        self.workspace.folders = Arc::new(folders);
+        let edits = ["params", "capabilities", "workspace", "workspaceEdit"];
+        let at = |key: &'static str| [&edits[..], &[key]].concat();
+        let kinds = message.items_at(&at("resourceOperations"));
+        let is_rename = |kind: &Json| *kind == Json::text("rename");
+        let has_steps = message.at(&at("documentChanges")) == Some(Json::flag(true));
+        self.workspace.renames_files = has_steps && kinds.iter().any(is_rename);
+    }
+}
+
+fn message_of(id: Json, result: Answer) -> Json {
+    match result {
+        Ok(result) => answer(id, result),
+        Err((code, why)) => refusal(id, code, &why),
+    }
+}
+
+/// The parameter that a request lacks.
+fn lacking(method: &str, message: &Json) -> Option<&'static str> {
+    let lacks = |keys: &[&str]| message.at(&[&["params"], keys].concat()).is_none();
+    let has_place = [
+        "completion",
+        "definition",
+        "documentHighlight",
+        "hover",
+        "prepareRename",
+        "references",
+        "rename",
+        "signatureHelp",
+    ];
+    let is_at_place = method.rsplit('/').next().is_some_and(|name| has_place.contains(&name));
+    if method == SYMBOL {
+        return lacks(&["query"]).then_some("`query`");
+    }
+    if lacks(&["textDocument", "uri"]) {
+        return Some("`textDocument.uri`");
+    }
+    if is_at_place && (lacks(&["position", "line"]) || lacks(&["position", "character"])) {
+        return Some("`position` with `line` and `character`");
+    }
+    let needs_range = matches!(method, "textDocument/inlayHint" | "textDocument/codeAction");
+    if needs_range && (lacks(&["range", "start"]) || lacks(&["range", "end"])) {
+        return Some("`range`");
+    }
+    (method == "textDocument/rename" && lacks(&["newName"])).then_some("`newName`")
+}
+
+/// The diagnostics of a text.
+fn checked(workspace: &Workspace, path: &Path, text: String) -> Checked {
+    let (placed, session) = match is_toml(path) {
+        false => check(&workspace.request(path, text.clone())),
+        true if !is_plan(path, &text) => Default::default(),
+        true => check_plan(&Plan {
+            path,
+            text: Some(text.clone()),
+            modelica_path: workspace.modelica_path.clone(),
+        }),
+    };
+    let diagnostics = json(&placed, path, &text, &session, workspace);
+    let reads = files_of(&session).iter().map(|file| canonical(file)).collect();
+    Checked { placed, diagnostics, reads }
+}
+
+/// A request about a text.
+struct Asked {
+    workspace: Workspace,
+    path: PathBuf,
+    text: String,
+    method: String,
+    message: Json,
+    is_cancelled: Arc<AtomicBool>,
+}
+
+impl Asked {
+    /// The answer. The error says why there is none.
+    fn answer(&self) -> Result<Json, String> {
+        let (text, message) = (self.text.as_str(), &self.message);
+        let lines = Lines::of(text);
+        let place = |keys: &[&str]| message.at(keys).map_or(0, |p| lines.offset_of(&p));
         let offset = place(&["params", "position"]);
-        let file = compiled.file.as_ref().map(|f| f.to_string_lossy()).unwrap_or_default();
-        if is_toml(&file) {
-            return Ok(match method {
-                "textDocument/completion" => Some(plan_keys::completion(&file, text, offset)),
-                "textDocument/codeAction" => Some(self.repairs(address, message, text)),
-                _ => Some(Json::null()),
+        if is_toml(&self.path) {
+            let is_own = is_plan(&self.path, text) || text.trim().is_empty();
+            return Ok(match self.method.as_str() {
+                "textDocument/completion" if is_own => {
+                    plan_keys::completion(&self.path.to_string_lossy(), text, offset)
+                }
+                _ => Json::null(),
             });
         }
-        let or_null = |answer: Option<Json>| Ok(Some(answer.unwrap_or_else(Json::null)));
-        match method {
-            "textDocument/hover" => or_null(answers::hover(&compiled, offset)),
-            "textDocument/definition" => or_null(answers::definition(&compiled, offset)),
-            "textDocument/references" => {
-                or_null(answers::references(&compiled, offset, &self.open()))
+        let or_null = |answer: Option<Json>| Ok(answer.unwrap_or_else(Json::null));
+        match self.method.as_str() {
+            "textDocument/formatting" => return Ok(formatted(text)),
+            "textDocument/documentSymbol" => return Ok(outline::symbols(text)),
+            "textDocument/foldingRange" => return Ok(outline::folds(text)),
+            "textDocument/semanticTokens/full" => return Ok(colours::tokens(text)),
+            SYMBOL => {
+                let query = message.text_at(&["params", "query"]).unwrap_or_default();
+                return Ok(symbols::classes(&self.workspace, query, &self.is_cancelled));
             }
-            "textDocument/completion" => Ok(Some(answers::completion(&compiled, offset))),
+            _ => {}
+        }
+        let workspace = &self.workspace;
+        let request: Request = workspace.request(&self.path, self.text.clone());
+        match self.method.as_str() {
+            "textDocument/hover" => or_null(answers::hover(&request, offset)),
+            "textDocument/definition" => or_null(answers::definition(workspace, &request, offset)),
+            "textDocument/documentHighlight" => or_null(answers::highlights(&request, offset)),
+            "textDocument/signatureHelp" => or_null(symbols::signature(&request, offset)),
+            "textDocument/prepareRename" => rename::prepare(&request, offset),
+            "textDocument/references" => {
+                let is_declared = message.at(&["params", "context", "includeDeclaration"]);
+                let is_declared = is_declared != Some(Json::flag(false));
+                let cancelled = &self.is_cancelled;
+                let found =
+                    answers::references(workspace, &request, offset, is_declared, cancelled);
+                or_null(found)
+            }
+            "textDocument/completion" => Ok(answers::completion(&request, offset)),
             "textDocument/rename" => {
                 let new = message.text_at(&["params", "newName"]).unwrap_or_default();
-                answers::rename(&compiled, offset, new, &self.open()).map(Some)
+                rename::rename(workspace, &request, offset, new, &self.is_cancelled)
             }
-            "textDocument/codeLens" => Ok(Some(lenses::lenses(&compiled))),
+            "textDocument/codeLens" => Ok(lenses::lenses(&request)),
             "textDocument/inlayHint" => {
                 let part =
                     (place(&["params", "range", "start"]), place(&["params", "range", "end"]));
-                Ok(Some(lenses::hints(&compiled, part)))
+                Ok(lenses::hints(&request, part))
             }
-            "textDocument/formatting" => Ok(Some(formatted(text))),
-            "textDocument/documentSymbol" => Ok(Some(outline::symbols(text))),
-            "textDocument/foldingRange" => Ok(Some(outline::folds(text))),
-            "textDocument/semanticTokens/full" => Ok(Some(colours::tokens(text))),
-            "textDocument/codeAction" => Ok(Some(self.repairs(address, message, text))),
-            _ => Ok(None),
+            _ => Ok(Json::null()),
         }
     }
 }
 
-impl<W: Write> Server<W> {
-    /// The repairs of the diagnostics in the range of a request.
-    fn repairs(&self, address: &str, message: &Json, text: &str) -> Json {
-        let place = |end| message.at(&["params", "range", end]).map_or(0, |p| offset_of(text, &p));
-        let placed = self.documents.get(address).map_or(&[][..], |d| &d.placed);
-        repairs::actions(placed, text, address, (place("start"), place("end")))
-    }
+/// The repairs of the diagnostics in the range of a request.
+fn repairs(document: &Document, address: &str, message: &Json) -> Json {
+    let lines = Lines::of(&document.text);
+    let place = |end| message.at(&["params", "range", end]).map_or(0, |p| lines.offset_of(&p));
+    // Those of an older text are elsewhere now.
+    let placed = if document.changed { &[][..] } else { &document.placed };
+    repairs::actions(placed, &document.text, address, (place("start"), place("end")))
 }
 
 /// A plan, a test or the settings of a project.
-fn is_toml(file: &str) -> bool {
-    file.ends_with(".toml")
+fn is_toml(file: &Path) -> bool {
+    file.extension().is_some_and(|e| e == "toml")
 }
 
 /// The edit that formats a text; none if it has syntax errors.
@@ -267,7 +624,7 @@ fn formatted(text: &str) -> Json {
     let id = SourceMap::default().add("text.mo", text);
     match format(id, text) {
         Ok(new) if new != text => Json::list([Json::object([
-            ("range", range(text, 0, text.len())),
+            ("range", Lines::of(text).range(0, text.len())),
             ("newText", Json::text(new)),
         ])]),
         _ => Json::list([]),
@@ -280,7 +637,7 @@ fn capabilities() -> Json {
         ("tokenTypes", Json::list(colours::LEGEND.iter().map(|name| Json::text(*name)))),
         ("tokenModifiers", Json::list([])),
     ]);
-    let triggers = [".", "("].map(Json::text);
+    let triggers = |all: &[&str]| Json::list(all.iter().map(|text| Json::text(*text)));
     let sync = Json::object([
         ("openClose", yes()),
         // Incremental.
@@ -288,11 +645,15 @@ fn capabilities() -> Json {
         ("save", yes()),
     ]);
     let capabilities = Json::object([
+        ("positionEncoding", Json::text("utf-16")),
         ("textDocumentSync", sync),
         ("hoverProvider", yes()),
         ("definitionProvider", yes()),
         ("referencesProvider", yes()),
-        ("renameProvider", yes()),
+        ("documentHighlightProvider", yes()),
+        ("renameProvider", Json::object([("prepareProvider", yes())])),
+        ("workspaceSymbolProvider", yes()),
+        ("signatureHelpProvider", Json::object([("triggerCharacters", triggers(&["(", ","]))])),
         ("codeLensProvider", Json::object([("resolveProvider", Json::flag(false))])),
         ("inlayHintProvider", yes()),
         ("documentFormattingProvider", yes()),
@@ -302,7 +663,7 @@ fn capabilities() -> Json {
             "codeActionProvider",
             Json::object([("codeActionKinds", Json::list([Json::text("quickfix")]))]),
         ),
-        ("completionProvider", Json::object([("triggerCharacters", Json::list(triggers))])),
+        ("completionProvider", Json::object([("triggerCharacters", triggers(&[".", "("]))])),
         ("semanticTokensProvider", Json::object([("legend", legend), ("full", yes())])),
     ]);
     let info = Json::object([
