@@ -8,60 +8,24 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 
-use super::answers;
-use super::colours;
+use super::asked::{Asked, is_toml};
 use super::diagnostics::{Placed, check, check_plan, files_of, json};
 use super::jobs::Worker;
-use super::lenses;
-use super::message::{Received, answer, notification, read, refusal, write};
-use super::outline;
-use super::plan_keys;
+use super::message::{Received, notification, read, refusal, write};
 use super::plans::{Plan, is_plan};
 use super::position::{Lines, path_of};
-use super::rename;
+use super::protocol::{
+    Answer, CANCELLED, INTERNAL_ERROR, INVALID_PARAMETERS, INVALID_REQUEST, KNOWN,
+    METHOD_NOT_FOUND, NOT_INITIALIZED, PARSE_ERROR, REQUEST_FAILED, SYMBOL, capabilities, lacking,
+    message_of,
+};
 use super::repairs;
-use super::symbols;
 use super::workspace::Workspace;
 use crate::base::diag::Severity;
-use crate::base::source::SourceMap;
-use crate::driver::compile::Request;
 use crate::driver::files::canonical_folders;
 use crate::driver::open_texts::{OpenTexts, canonical};
 use crate::driver::project::NAME;
-use crate::format::format;
 use crate::io::json::Json;
-
-/// Errors of the protocol.
-const PARSE_ERROR: f64 = -32700.0;
-const INVALID_REQUEST: f64 = -32600.0;
-const METHOD_NOT_FOUND: f64 = -32601.0;
-const INVALID_PARAMETERS: f64 = -32602.0;
-const INTERNAL_ERROR: f64 = -32603.0;
-const NOT_INITIALIZED: f64 = -32002.0;
-const REQUEST_FAILED: f64 = -32803.0;
-const CANCELLED: f64 = -32800.0;
-
-/// Requests that are answered later; all but one are about a text.
-const KNOWN: [&str; 16] = [
-    "textDocument/codeAction",
-    "textDocument/codeLens",
-    "textDocument/completion",
-    "textDocument/definition",
-    "textDocument/documentHighlight",
-    "textDocument/documentSymbol",
-    "textDocument/foldingRange",
-    "textDocument/formatting",
-    "textDocument/hover",
-    "textDocument/inlayHint",
-    "textDocument/prepareRename",
-    "textDocument/references",
-    "textDocument/rename",
-    "textDocument/semanticTokens/full",
-    "textDocument/signatureHelp",
-    SYMBOL,
-];
-/// The request that is about no text.
-const SYMBOL: &str = "workspace/symbol";
 
 /// How the client ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -122,9 +86,6 @@ struct Checked {
     diagnostics: Json,
     reads: BTreeSet<PathBuf>,
 }
-
-/// The result of a request, or a code and the reason why there is none.
-type Answer = Result<Json, (f64, String)>;
 
 struct Server<W> {
     out: W,
@@ -482,43 +443,6 @@ impl<W: Write> Server<W> {
     }
 }
 
-fn message_of(id: Json, result: Answer) -> Json {
-    match result {
-        Ok(result) => answer(id, result),
-        Err((code, why)) => refusal(id, code, &why),
-    }
-}
-
-/// The parameter that a request lacks.
-fn lacking(method: &str, message: &Json) -> Option<&'static str> {
-    let lacks = |keys: &[&str]| message.at(&[&["params"], keys].concat()).is_none();
-    let has_place = [
-        "completion",
-        "definition",
-        "documentHighlight",
-        "hover",
-        "prepareRename",
-        "references",
-        "rename",
-        "signatureHelp",
-    ];
-    let is_at_place = method.rsplit('/').next().is_some_and(|name| has_place.contains(&name));
-    if method == SYMBOL {
-        return lacks(&["query"]).then_some("`query`");
-    }
-    if lacks(&["textDocument", "uri"]) {
-        return Some("`textDocument.uri`");
-    }
-    if is_at_place && (lacks(&["position", "line"]) || lacks(&["position", "character"])) {
-        return Some("`position` with `line` and `character`");
-    }
-    let needs_range = matches!(method, "textDocument/inlayHint" | "textDocument/codeAction");
-    if needs_range && (lacks(&["range", "start"]) || lacks(&["range", "end"])) {
-        return Some("`range`");
-    }
-    (method == "textDocument/rename" && lacks(&["newName"])).then_some("`newName`")
-}
-
 /// The diagnostics of a text.
 fn checked(workspace: &Workspace, path: &Path, text: String) -> Checked {
     let (placed, session) = match is_toml(path) {
@@ -535,76 +459,6 @@ fn checked(workspace: &Workspace, path: &Path, text: String) -> Checked {
     Checked { placed, diagnostics, reads }
 }
 
-/// A request about a text.
-struct Asked {
-    workspace: Workspace,
-    path: PathBuf,
-    text: String,
-    method: String,
-    message: Json,
-    is_cancelled: Arc<AtomicBool>,
-}
-
-impl Asked {
-    /// The answer. The error says why there is none.
-    fn answer(&self) -> Result<Json, String> {
-        let (text, message) = (self.text.as_str(), &self.message);
-        let lines = Lines::of(text);
-        let place = |keys: &[&str]| message.at(keys).map_or(0, |p| lines.offset_of(&p));
-        let offset = place(&["params", "position"]);
-        if is_toml(&self.path) {
-            let is_own = is_plan(&self.path, text) || text.trim().is_empty();
-            return Ok(match self.method.as_str() {
-                "textDocument/completion" if is_own => {
-                    plan_keys::completion(&self.path.to_string_lossy(), text, offset)
-                }
-                _ => Json::null(),
-            });
-        }
-        let or_null = |answer: Option<Json>| Ok(answer.unwrap_or_else(Json::null));
-        match self.method.as_str() {
-            "textDocument/formatting" => return Ok(formatted(text)),
-            "textDocument/documentSymbol" => return Ok(outline::symbols(text)),
-            "textDocument/foldingRange" => return Ok(outline::folds(text)),
-            "textDocument/semanticTokens/full" => return Ok(colours::tokens(text)),
-            SYMBOL => {
-                let query = message.text_at(&["params", "query"]).unwrap_or_default();
-                return Ok(symbols::classes(&self.workspace, query, &self.is_cancelled));
-            }
-            _ => {}
-        }
-        let workspace = &self.workspace;
-        let request: Request = workspace.request(&self.path, self.text.clone());
-        match self.method.as_str() {
-            "textDocument/hover" => or_null(answers::hover(&request, offset)),
-            "textDocument/definition" => or_null(answers::definition(workspace, &request, offset)),
-            "textDocument/documentHighlight" => or_null(answers::highlights(&request, offset)),
-            "textDocument/signatureHelp" => or_null(symbols::signature(&request, offset)),
-            "textDocument/prepareRename" => rename::prepare(&request, offset),
-            "textDocument/references" => {
-                let is_declared = message.at(&["params", "context", "includeDeclaration"]);
-                let is_declared = is_declared != Some(Json::flag(false));
-                let cancelled = &self.is_cancelled;
-                let found =
-                    answers::references(workspace, &request, offset, is_declared, cancelled);
-                or_null(found)
-            }
-            "textDocument/completion" => Ok(answers::completion(&request, offset)),
-            "textDocument/rename" => {
-                let new = message.text_at(&["params", "newName"]).unwrap_or_default();
-                rename::rename(workspace, &request, offset, new, &self.is_cancelled)
-            }
-            "textDocument/codeLens" => Ok(lenses::lenses(&request)),
-            "textDocument/inlayHint" => {
-                let part =
-                    (place(&["params", "range", "start"]), place(&["params", "range", "end"]));
-                Ok(lenses::hints(&request, part))
-            }
-            _ => Ok(Json::null()),
-        }
-    }
-}
-
 /// The repairs of the diagnostics in the range of a request.
 fn repairs(document: &Document, address: &str, message: &Json) -> Json {
     let lines = Lines::of(&document.text);
@@ -612,63 +466,4 @@ fn repairs(document: &Document, address: &str, message: &Json) -> Json {
     // Those of an older text are elsewhere now.
     let placed = if document.changed { &[][..] } else { &document.placed };
     repairs::actions(placed, &document.text, address, (place("start"), place("end")))
-}
-
-/// A plan, a test or the settings of a project.
-fn is_toml(file: &Path) -> bool {
-    file.extension().is_some_and(|e| e == "toml")
-}
-
-/// The edit that formats a text; none if it has syntax errors.
-fn formatted(text: &str) -> Json {
-    let id = SourceMap::default().add("text.mo", text);
-    match format(id, text) {
-        Ok(new) if new != text => Json::list([Json::object([
-            ("range", Lines::of(text).range(0, text.len())),
-            ("newText", Json::text(new)),
-        ])]),
-        _ => Json::list([]),
-    }
-}
-
-fn capabilities() -> Json {
-    let yes = || Json::flag(true);
-    let legend = Json::object([
-        ("tokenTypes", Json::list(colours::LEGEND.iter().map(|name| Json::text(*name)))),
-        ("tokenModifiers", Json::list([])),
-    ]);
-    let triggers = |all: &[&str]| Json::list(all.iter().map(|text| Json::text(*text)));
-    let sync = Json::object([
-        ("openClose", yes()),
-        // Incremental.
-        ("change", Json::count(2)),
-        ("save", yes()),
-    ]);
-    let capabilities = Json::object([
-        ("positionEncoding", Json::text("utf-16")),
-        ("textDocumentSync", sync),
-        ("hoverProvider", yes()),
-        ("definitionProvider", yes()),
-        ("referencesProvider", yes()),
-        ("documentHighlightProvider", yes()),
-        ("renameProvider", Json::object([("prepareProvider", yes())])),
-        ("workspaceSymbolProvider", yes()),
-        ("signatureHelpProvider", Json::object([("triggerCharacters", triggers(&["(", ","]))])),
-        ("codeLensProvider", Json::object([("resolveProvider", Json::flag(false))])),
-        ("inlayHintProvider", yes()),
-        ("documentFormattingProvider", yes()),
-        ("documentSymbolProvider", yes()),
-        ("foldingRangeProvider", yes()),
-        (
-            "codeActionProvider",
-            Json::object([("codeActionKinds", Json::list([Json::text("quickfix")]))]),
-        ),
-        ("completionProvider", Json::object([("triggerCharacters", triggers(&[".", "("]))])),
-        ("semanticTokensProvider", Json::object([("legend", legend), ("full", yes())])),
-    ]);
-    let info = Json::object([
-        ("name", Json::text("mocc")),
-        ("version", Json::text(env!("CARGO_PKG_VERSION"))),
-    ]);
-    Json::object([("capabilities", capabilities), ("serverInfo", info)])
 }

@@ -26,7 +26,7 @@ struct Editor {
     text: String,
     next: u64,
     diagnostics: Vec<Value>,
-    _folder: Scratch,
+    folder: Scratch,
 }
 
 impl Editor {
@@ -58,7 +58,7 @@ impl Editor {
             text: text.to_owned(),
             next: 0,
             diagnostics: Vec::new(),
-            _folder: folder,
+            folder,
         };
         let ready = editor.ask("initialize", json!({ "capabilities": capabilities }));
         assert_eq!(ready["serverInfo"]["name"], "mocc");
@@ -71,10 +71,9 @@ impl Editor {
         editor
     }
 
-    /// The folder of the file.
+    /// The folder of the first file.
     fn folder(&self) -> PathBuf {
-        let path = Path::new(self.address.trim_start_matches("file://"));
-        path.parent().expect("its folder").to_owned()
+        self.folder.path().canonicalize().expect("the folder")
     }
 
     /// Writes a file next to the first one.
@@ -563,7 +562,8 @@ end L;
 #[test]
 fn every_form_of_a_name_is_renamed() {
     let mut editor = Editor::open(LIBRARY);
-    assert_eq!(editor.diagnostics, Vec::<Value>::new());
+    // The index of a loop hides a component, which is a warning.
+    assert!(editor.diagnostics.iter().all(|d| d["severity"] == 2), "{:?}", editor.diagnostics);
     let cases = [
         ("input Real u", 11, "uu", vec![("Real u", "Real uu"), ("2*u", "2*uu"), ("(u =", "(uu =")]),
         ("Real first", 5, "one", vec![("Real first", "Real one"), ("(first", "(one")]),
