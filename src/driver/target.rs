@@ -61,7 +61,7 @@ pub(super) fn meaning(cx: &mut Evaluator<'_>, file: &ast::File, at: u32, is_end:
 }
 
 /// The class around a place in which names are looked up: the names of a short class are those around it.
-fn scope<'c>(chain: &'c [Arc<Class>]) -> &'c [Arc<Class>] {
+fn scope(chain: &[Arc<Class>]) -> &[Arc<Class>] {
     match chain.last().map(|class| &class.body) {
         Some(ClassBody::Long(_)) | None => chain,
         Some(_) => &chain[..chain.len() - 1],

@@ -207,10 +207,11 @@ impl<W: Write> Server<W> {
             None if self.initialized => self.notified(&method, message)?,
             // Before the client has introduced itself, notifications are dropped.
             None => {}
-            Some(id) => match self.request(&id, &method, message) {
-                Some(answer) => write(&mut self.out, &message_of(id, answer))?,
-                None => {}
-            },
+            Some(id) => {
+                if let Some(answer) = self.request(&id, &method, message) {
+                    write(&mut self.out, &message_of(id, answer))?;
+                }
+            }
         }
         Ok(false)
     }
