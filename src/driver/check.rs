@@ -103,6 +103,10 @@ impl Session {
             ));
             activity::note(format!("checking `{name}`"));
             cx.budget = request.budget();
+            // What has taken so long may have been refused already.
+            if work > most && self.problems.has_errors() {
+                break;
+            }
             if work > most {
                 let span = cx.definition(class).map_or(Span::NONE, |d| d.name.span);
                 let cause = ValueCause::TooManyClasses { most, checked, all };
