@@ -101,7 +101,8 @@ fn tables(flat: &FlatModel) -> Vec<Table> {
     let mut roots = Vec::new();
     flat.for_each_expression(&mut |e| roots.push(e));
     flat.functions.iter().for_each(|function| roots.extend(function.values()));
-    for e in flat.graph.postorder(roots) {
+    let used: FastSet<ExprId> = flat.graph.postorder(roots).into_iter().collect();
+    for e in flat.graph.ids().filter(|e| used.contains(e)) {
         let Node::Unary(Unary::External(id), _) = flat.graph.node(e) else { continue };
         let external = flat.graph.externals().get(id);
         let is_function = external.elements().is_none();

@@ -76,8 +76,9 @@ package Tables
     der(sum) = drive;
   end Spring;
 end Tables;
-// The value of the curve, that of the course, and its next event.
-//@ expect flat has 2 "table("
+// The curve is a function; the value of the course, and its next event.
+//@ expect flat has 1 "noEvent('$table1'(x))"
+//@ expect flat has 1 "table("
 //@ expect flat has 1 "nextTimeEvent("
 // Between the points -1 and 1 the spring is linear with stiffness 2; the course rises from 0.5 s
 // to 1 in 1 s, jumps to 3 and stays: 0.5 + 1.5 * 3.
