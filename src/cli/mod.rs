@@ -214,6 +214,10 @@ fn is_quiet(command: &args::Command) -> bool {
 /// The command in progress prints nothing but errors.
 static QUIET: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
 
+fn is_quiet_now() -> bool {
+    QUIET.load(std::sync::atomic::Ordering::Relaxed)
+}
+
 /// The value of `MODELICAPATH`.
 fn modelica_path() -> Option<OsString> {
     std::env::var_os("MODELICAPATH")
@@ -272,7 +276,7 @@ fn say(session: &Session) {
 /// Writes diagnostics to the standard error, in colours on a terminal; no warnings where nothing but errors is wanted.
 fn say_problems(problems: &Problems, sources: &SourceMap) {
     let mut shown = Problems::new();
-    let is_quiet = QUIET.load(std::sync::atomic::Ordering::Relaxed);
+    let is_quiet = is_quiet_now();
     let all = problems.iter().filter(|d| !is_quiet || d.severity == Severity::Error);
     all.for_each(|d| shown.push(d.clone()));
     eprint!("{}", render_all(&shown, sources, style()));
@@ -283,21 +287,30 @@ fn say_problems(problems: &Problems, sources: &SourceMap) {
     }
 }
 
-/// Writes a result to the standard output. On a terminal, characters of the model cannot command it.
+/// Writes a text to the standard output, unless the command is to print nothing but errors. On a terminal, characters of
+/// the model cannot command it.
 fn print(text: &str) -> Status {
-    use std::io::IsTerminal;
-    if std::io::stdout().is_terminal() { print_styled(&visible(text)) } else { print_styled(text) }
+    if is_quiet_now() { Status::Done } else { print_result(text) }
 }
 
 /// Writes the text that a command is asked for, such as a flat model, however little else it is to print.
 fn print_result(text: &str) -> Status {
     use std::io::IsTerminal;
     let is_terminal = std::io::stdout().is_terminal();
-    let written = if is_terminal {
+    ended(if is_terminal {
         print_bytes(visible(text).as_bytes())
     } else {
         print_bytes(text.as_bytes())
-    };
+    })
+}
+
+/// As [`print`], for a text that may hold escape codes.
+fn print_styled(text: &str) -> Status {
+    if is_quiet_now() { Status::Done } else { ended(print_bytes(text.as_bytes())) }
+}
+
+/// The status after something was written; an error is shown.
+fn ended(written: Result<(), String>) -> Status {
     match written {
         Ok(()) => Status::Done,
         Err(why) => {
@@ -307,24 +320,8 @@ fn print_result(text: &str) -> Status {
     }
 }
 
-/// As [`print`], for a text that may hold escape codes. A reader that closes the pipe early is not an
+/// Writes bytes to the standard output, however little the command is to print. A reader that closes the pipe early is no
 /// error.
-fn print_styled(text: &str) -> Status {
-    use std::io::{ErrorKind, Write};
-    if QUIET.load(std::sync::atomic::Ordering::Relaxed) {
-        return Status::Done;
-    }
-    let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(why) if why.kind() != ErrorKind::BrokenPipe => {
-            eprintln!("error: cannot write to the standard output: {why}");
-            Status::Usage
-        }
-        _ => Status::Done,
-    }
-}
-
-/// Writes bytes to the standard output, however little the command is to print.
 fn print_bytes(bytes: &[u8]) -> Result<(), String> {
     use std::io::{ErrorKind, Write};
     let mut out = std::io::stdout().lock();
@@ -339,13 +336,7 @@ fn print_bytes(bytes: &[u8]) -> Result<(), String> {
 /// Writes a file to the standard output, and removes it.
 fn print_file(path: &Path) -> Status {
     let bytes = crate::io::atomic_file::take_file(path).map_err(|why| why.to_string());
-    match bytes.and_then(|bytes| print_bytes(&bytes)) {
-        Ok(()) => Status::Done,
-        Err(why) => {
-            eprintln!("error: {why}");
-            Status::Usage
-        }
-    }
+    ended(bytes.and_then(|bytes| print_bytes(&bytes)))
 }
 
 /// Writes a result to a file, or to the standard output if its path is `-`; the line that says so, empty for `-`.

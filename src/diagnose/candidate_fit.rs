@@ -289,11 +289,11 @@ impl<'a> CandidateFits<'a> {
         let limit = |least: f64| 1.0 + (factor * least).max(factor * (policy.resolved_train - 1.0));
         let (parametric, any) = (least_excess(false), least_excess(true));
         let explains_nothing = |h: &Hypothesis| self.calibrated.is_some() && !self.explains_most(h);
-        let is_worth_it = |h: &Hypothesis| match ends_with_curve(study, h) {
-            _ if explains_nothing(h) => false,
+        let is_near = |h: &Hypothesis| match ends_with_curve(study, h) {
             true => h.chi2_train() < limit(any).min(1.0 + parametric),
             false => h.chi2_train() < limit(parametric),
         };
+        let is_worth_it = |h: &Hypothesis| is_near(h) && !explains_nothing(h);
         let first = 0..hypotheses.len().min(policy.long_fits * self.search.generosity());
         first.filter(|k| is_worth_it(&hypotheses[*k])).collect()
     }

@@ -9,7 +9,7 @@ use crate::calibrate::problem::Problem;
 
 use super::catalogue::{Amplitude, Effect, Start};
 use super::hypothesis::{Hypothesis, amplitude};
-use super::regrid::{interpolated, on_curve};
+use super::regrid::{ends, fitted_points, interpolated};
 use super::search::Search;
 
 /// How many times as many knots.
@@ -53,15 +53,8 @@ pub fn with_finer_knots(
     }
     let mut all = study.effects.iter().enumerate();
     let (effect, finer) = all.find(|(_, e)| e.finer_than == Some(old.effect))?;
-    let fixed = |name: &String| old.fixed.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
-    let ends = (curve.from.as_ref().map_or(Some(0.0), fixed)?, fixed(&curve.to)?);
-    let values: Option<Vec<f64>> = coarse
-        .amplitudes
-        .iter()
-        .map(|a| Some(hypothesis.estimate(&old.full_name(&a.name))?.0))
-        .collect();
-    let places = curve.places(coarse.amplitudes.len(), ends);
-    let known = on_curve(curve.fixed_point(ends.0), &places, &values?);
+    let ends = ends(&old.fixed, curve)?;
+    let known = fitted_points(hypothesis, old, coarse, curve)?;
     let mut chosen = old.clone();
     chosen.effect = effect;
     chosen.fitted = finer.amplitudes.iter().map(|a| a.name.clone()).collect();

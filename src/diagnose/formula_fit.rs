@@ -15,6 +15,7 @@ use super::catalogue::Effect;
 use super::finer_curve::with_finer_knots;
 use super::formula::{Form, FreeCurve, middle_name, scale_name};
 use super::hypothesis::{ChosenEffect, Hypothesis, RANGE, component_name};
+use super::regrid::ends;
 use super::result::Diagnosis;
 use super::revise::accept_instead;
 use super::search::Search;
@@ -154,7 +155,7 @@ impl Knots {
     ) -> Option<Knots> {
         let amplitude = study.effects[chosen.effect].amplitudes.first()?;
         let (slope, _) = hypothesis.estimate(&chosen.full_name(&amplitude.name))?;
-        let (low, high) = ends(chosen, curve)?;
+        let (low, high) = ends(&chosen.fixed, curve)?;
         let places = curve.places(POINTS_ON_LINE, (low, high));
         let on_line = |x: &f64| (*x, slope * (x - low) / (high - low), 0.0);
         Knots::through(places.iter().map(on_line).collect(), curve, (low, high), false)
@@ -168,7 +169,7 @@ impl Knots {
         curve: &FreeCurve,
     ) -> Option<Knots> {
         let effect = &search.study.effects[chosen.effect];
-        let (low, high) = ends(chosen, curve)?;
+        let (low, high) = ends(&chosen.fixed, curve)?;
         let places = curve.places(effect.amplitudes.len(), (low, high));
         let estimates =
             effect.amplitudes.iter().map(|a| hypothesis.estimate(&chosen.full_name(&a.name)));
@@ -382,12 +383,6 @@ impl Candidate {
         fitted.is_complete_fit = true;
         Some(fitted)
     }
-}
-
-/// The first and the last knot of a chosen curve.
-fn ends(chosen: &ChosenEffect, curve: &FreeCurve) -> Option<(f64, f64)> {
-    let fixed = |name: &String| chosen.fixed.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
-    Some((curve.from.as_ref().map_or(Some(0.0), fixed)?, fixed(&curve.to)?))
 }
 
 /// The best shapes around those of a candidate: a pattern search, whose step halves where no neighbour is better.

@@ -1,6 +1,8 @@
 //! New knots for a free curve: those of the score test lie in the range that its variable covers without the
 //! effect, and a large effect changes that range.
 
+use super::catalogue::{Amplitude, Effect};
+use super::formula::FreeCurve;
 use super::hypothesis::{ChosenEffect, Hypothesis};
 use super::search::Search;
 use super::shape_parameters::{ranges, ranges_of, shapes};
@@ -22,23 +24,14 @@ pub fn regridded(search: &Search<'_>, hypothesis: &Hypothesis) -> Option<Hypothe
     }
     let range = |variable: &str| ranges_of(&found, chosen.effect, &chosen.place, variable);
     let shape = shapes(effect, range).into_iter().next()?;
-    let ends = |values: &[(String, f64)]| {
-        let of = |name: &String| values.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
-        Some((curve.from.as_ref().map_or(Some(0.0), of)?, of(&curve.to)?))
-    };
-    let (old, new) = (ends(&chosen.fixed)?, ends(&shape)?);
+    let (old, new) = (ends(&chosen.fixed, curve)?, ends(&shape, curve)?);
     let limit = MOVED * (new.1 - new.0).abs();
     let stays = (old.0 - new.0).abs() <= limit && (old.1 - new.1).abs() <= limit;
     if stays || new.1 <= new.0 {
         return None;
     }
     let n = effect.amplitudes.len();
-    let values: Option<Vec<f64>> = effect
-        .amplitudes
-        .iter()
-        .map(|a| Some(hypothesis.estimate(&chosen.full_name(&a.name))?.0))
-        .collect();
-    let known = on_curve(curve.fixed_point(old.0), &curve.places(n, old), &values?);
+    let known = fitted_points(hypothesis, chosen, effect, curve)?;
     let anchor = if curve.is_anchored { interpolated(&known, new.0) } else { 0.0 };
     let mut moved = hypothesis.clone();
     for (a, x) in effect.amplitudes.iter().zip(curve.places(n, new)) {
@@ -55,12 +48,28 @@ pub fn regridded(search: &Search<'_>, hypothesis: &Hypothesis) -> Option<Hypothe
     Some(moved)
 }
 
+/// The first and the last knot of a curve with these shape parameters.
+pub(super) fn ends(values: &[(String, f64)], curve: &FreeCurve) -> Option<(f64, f64)> {
+    let of = |name: &String| values.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
+    Some((curve.from.as_ref().map_or(Some(0.0), of)?, of(&curve.to)?))
+}
+
+/// The points of a fitted curve.
+pub(super) fn fitted_points(
+    hypothesis: &Hypothesis,
+    chosen: &ChosenEffect,
+    effect: &Effect,
+    curve: &FreeCurve,
+) -> Option<Vec<(f64, f64)>> {
+    let ends = ends(&chosen.fixed, curve)?;
+    let value = |a: &Amplitude| Some(hypothesis.estimate(&chosen.full_name(&a.name))?.0);
+    let values: Option<Vec<f64>> = effect.amplitudes.iter().map(value).collect();
+    let places = curve.places(effect.amplitudes.len(), ends);
+    Some(on_curve(curve.fixed_point(ends.0), &places, &values?))
+}
+
 /// The points of a curve.
-pub(super) fn on_curve(
-    fixed: Option<(f64, f64)>,
-    places: &[f64],
-    values: &[f64],
-) -> Vec<(f64, f64)> {
+fn on_curve(fixed: Option<(f64, f64)>, places: &[f64], values: &[f64]) -> Vec<(f64, f64)> {
     fixed.into_iter().chain(places.iter().copied().zip(values.iter().copied())).collect()
 }
 

@@ -16,6 +16,7 @@ use crate::base::source::Span;
 use crate::classes::ClassGraph;
 use crate::classes::cause::ClassCause;
 use crate::evaluate::Evaluator;
+use crate::evaluate::cause::call::CallCause;
 use crate::evaluate::cause::holds_for_all_arguments;
 use crate::evaluate::cause::value::ValueCause;
 use crate::ir::ast::{self, ClassBody, ClassKind, ElementKind};
@@ -103,10 +104,6 @@ impl Session {
             ));
             activity::note(format!("checking `{name}`"));
             cx.budget = request.budget();
-            // What has taken so long may have been refused already.
-            if work > most && self.problems.has_errors() {
-                break;
-            }
             if work > most {
                 let span = cx.definition(class).map_or(Span::NONE, |d| d.name.span);
                 let cause = ValueCause::TooManyClasses { most, checked, all };
@@ -124,7 +121,7 @@ impl Session {
             let components = STEPS_PER_COMPONENT * cx.instances.len() as u64;
             work += copied + cx.budget.work + STEPS_PER_CALL * cx.budget.calls + components;
             // The classes that contain this one would take as long to refuse.
-            if cx.budget.exhausted {
+            if cx.budget.exhausted || problems.iter().any(calls_too_much) {
                 self.add(problems);
                 break;
             }
@@ -136,6 +133,11 @@ impl Session {
         }
         if self.problems.has_errors() { Err(CompileError::Model) } else { Ok(()) }
     }
+}
+
+/// Whether a function was refused for the number of its calls.
+fn calls_too_much(d: &Diagnostic) -> bool {
+    d.is(|cause: &CallCause| matches!(cause, CallCause::TooManyCalls { .. }))
 }
 
 /// Whether an `inner` component is missing: a component checked alone has none.

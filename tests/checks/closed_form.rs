@@ -2,6 +2,10 @@
 
 use std::f64::consts::PI;
 
+use mocc::external::table::Extrapolation;
+use mocc::external::table::curve::Curve;
+use mocc::numeric::hermite::Smoothness;
+
 use super::door::{Case, Reading, assert_close};
 
 /// Density at the reference state, kg/m3, gas constant, J/(kg K), and temperature, K, of the library's air.
@@ -54,4 +58,44 @@ fn equalisation_keeps_the_mass_of_air() {
     assert!(total.iter().all(|m| ((m - total[0]) / total[0]).abs() < 1e-13));
     assert_close(run.last("vessel_1.p"), 3e5, 1e-5);
     assert_close(run.last("vessel_2.p"), 3e5, 1e-5);
+}
+
+/// The text of an interpolated table is the table: the points (0, 0), (1, 2), (3, 1), with each extrapolation, and the slopes
+/// of the cubic ones.
+#[test]
+fn a_table_is_a_function_of_its_text() {
+    let (x, y) = ([0.0, 1.0, 3.0], [0.0, 2.0, 1.0]);
+    let run = |curve: &Curve, order: u8| {
+        let function = curve.modelica("f", order);
+        Case::text(&format!(
+            "model M\n{function}  Real y = f(6*time - 2);\n  annotation(experiment(StopTime = 1, Interval = 0.0625));\nend M;\n"
+        ))
+        .run()
+    };
+    let lines = |u: f64| if u < 1.0 { 2.0 * u } else { 2.0 - (u - 1.0) / 2.0 };
+    let exact: [(Extrapolation, &dyn Fn(f64) -> f64); 3] = [
+        (Extrapolation::Hold, &|u| lines(u.clamp(0.0, 3.0))),
+        (Extrapolation::Linear, &lines),
+        // The value at the end of a period is that at its start.
+        (Extrapolation::Periodic, &|u| lines(u.rem_euclid(3.0))),
+    ];
+    for (extrapolation, exact) in exact {
+        let curve = Curve::new(&x, &y, Smoothness::Linear, extrapolation).expect("a curve");
+        let found = run(&curve, 0);
+        for (t, found) in found.time.iter().zip(found.of("y")) {
+            let exact = exact(6.0 * t - 2.0);
+            assert!(
+                (found - exact).abs() < 1e-12,
+                "{extrapolation:?} at {t}: {found}, not {exact}"
+            );
+        }
+    }
+    for order in 0..=2 {
+        let curve = Curve::new(&x, &y, Smoothness::Akima, Extrapolation::Linear).expect("a curve");
+        let found = run(&curve, order);
+        for (t, found) in found.time.iter().zip(found.of("y")) {
+            let exact = curve.at(6.0 * t - 2.0, order);
+            assert!((found - exact).abs() < 1e-12, "order {order} at {t}: {found}, not {exact}");
+        }
+    }
 }

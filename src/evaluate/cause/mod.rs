@@ -15,8 +15,8 @@ use call::CallCause;
 use name::NameCause;
 use types::TypeCause;
 
-/// Whether an error in a function holds for all arguments, and not only for the sizes assumed while
-/// the function is checked: names and types.
+/// Whether an error in a function or in a class without its surroundings holds for all arguments and surroundings, and not
+/// only for the sizes and values assumed while it is checked: names and types.
 pub fn holds_for_all_arguments(d: &Diagnostic) -> bool {
     d.is(|cause: &NameCause| {
         !matches!(cause, NameCause::AbsentComponent | NameCause::ElementOfPartial { .. })

@@ -43,13 +43,15 @@ impl Curve {
             Extrapolation::Periodic => format!("u - {span}*floor((u - ({first}))/{span})"),
             _ => "u".to_owned(),
         };
+        // The last point belongs to the last interval, as in `Curve::at`.
+        let after_last = if order == 0 { ">=" } else { ">" };
         let (points, rows) = (points.join(", "), rows.join(", "));
         format!(
             "{head}  protected\n    constant Real x[{n}] = {{{points}}};\n    \
              constant Real c[{m}, 4] = {{{rows}}};\n    Real d;\n    Integer k;\n  algorithm\n    \
              d := {inside};\n    \
              if d < {first} then\n      y := {before};\n    \
-             elseif d >= {last} then\n      y := {after};\n    else\n      k := 1;\n      \
+             elseif d {after_last} {last} then\n      y := {after};\n    else\n      k := 1;\n      \
              while k < {m} and d >= x[k + 1] loop\n        k := k + 1;\n      end while;\n      \
              d := d - x[k];\n      \
              y := c[k, 1] + d*(c[k, 2] + d*(c[k, 3] + d*c[k, 4]));\n    end if;\n  end {name};\n"
