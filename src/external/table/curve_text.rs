@@ -10,6 +10,8 @@ impl Curve {
         let (first, last) = self.range();
         let head = format!("  function {name}\n    input Real u;\n    output Real y;\n");
         let value = |x: f64| format!("{x:?}");
+        // A sign does not follow an operator.
+        let operand = |x: f64| if x < 0.0 { format!("({x:?})") } else { value(x) };
         if self.pieces().is_empty() {
             let constant = value(self.at(first, order));
             return format!("{head}  algorithm\n    y := {constant};\n  end {name};\n");
@@ -28,21 +30,25 @@ impl Curve {
         };
         let rows: Vec<String> = self.pieces().iter().map(row).collect();
         let beyond = |end: f64, outside: f64| {
-            let slope = match (order, self.extrapolation()) {
-                (0, Extrapolation::Linear) => self.at(outside, 1),
-                _ => 0.0,
-            };
             let at_end = if order == 0 { self.end(end) } else { self.at(outside, order) };
-            format!("{} + {}*(d - ({}))", value(at_end), value(slope), value(end))
+            match (order, self.extrapolation()) {
+                (0, Extrapolation::Linear) => {
+                    let slope = operand(self.at(outside, 1));
+                    format!("{} + {slope}*(d - {})", value(at_end), operand(end))
+                }
+                _ => value(at_end),
+            }
         };
         let span = last - first;
         let (before, after) = (beyond(first, first - span), beyond(last, last + span));
         let (n, m) = (points.len(), rows.len());
-        let (first, last, span) = (value(first), value(last), value(span));
         let inside = match self.extrapolation() {
-            Extrapolation::Periodic => format!("u - {span}*floor((u - ({first}))/{span})"),
+            Extrapolation::Periodic => {
+                format!("u - {span:?}*floor((u - {})/{span:?})", operand(first))
+            }
             _ => "u".to_owned(),
         };
+        let (first, last) = (value(first), value(last));
         // The last point belongs to the last interval, as in `Curve::at`.
         let after_last = if order == 0 { ">=" } else { ">" };
         let (points, rows) = (points.join(", "), rows.join(", "));
