@@ -149,6 +149,7 @@ fn carry_out(command: args::Command) -> Status {
         _ => budget::watch(&args::model::Limits::default()),
     }
     QUIET.store(is_quiet(&command), std::sync::atomic::Ordering::Relaxed);
+    HIDES_WARNINGS.store(hides_warnings(&command), std::sync::atomic::Ordering::Relaxed);
     match command {
         args::Command::Simulate(options) => simulate::run(&options),
         args::Command::Report(options) => report::run(&options),
@@ -210,6 +211,19 @@ fn is_quiet(command: &args::Command) -> bool {
         | Completions(_) => false,
     }
 }
+
+/// Whether a command shows no warnings: one that prints nothing but errors.
+fn hides_warnings(command: &args::Command) -> bool {
+    match command {
+        args::Command::Report(options) => options.quiet,
+        args::Command::Optimize(options) => options.quiet,
+        args::Command::Doc(options) => options.quiet,
+        other => is_quiet(other),
+    }
+}
+
+/// The command in progress shows no warnings.
+static HIDES_WARNINGS: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
 
 /// The command in progress prints nothing but errors.
 static QUIET: std::sync::atomic::AtomicBool = std::sync::atomic::AtomicBool::new(false);
@@ -276,8 +290,8 @@ fn say(session: &Session) {
 /// Writes diagnostics to the standard error, in colours on a terminal; no warnings where nothing but errors is wanted.
 fn say_problems(problems: &Problems, sources: &SourceMap) {
     let mut shown = Problems::new();
-    let is_quiet = is_quiet_now();
-    let all = problems.iter().filter(|d| !is_quiet || d.severity == Severity::Error);
+    let hides = HIDES_WARNINGS.load(std::sync::atomic::Ordering::Relaxed);
+    let all = problems.iter().filter(|d| !hides || d.severity == Severity::Error);
     all.for_each(|d| shown.push(d.clone()));
     eprint!("{}", render_all(&shown, sources, style()));
     explain::remember(problems.sorted());

@@ -161,6 +161,8 @@ fn models_and_results_go_through_pipes() {
         .replace("equation", "  Real unused = 2*z;\n  Real z(unit=\"furlong\") = 1;\nequation");
     assert!(piped(path, &["check", "-"], &warned).err.contains("warning"));
     assert_eq!(piped(path, &["check", "-", "-q"], &warned).err, "");
+    assert_eq!(piped(path, &["report", "-", "-q", "-o", "r.html"], &warned).err, "");
+    fs::remove_file(path.join("r.html")).expect("the page");
     let drawn = piped(path, &["plot", "-", "--output", "p.svg"], "t,a,b\n0,1,2\n1,2,5\n");
     assert_eq!(drawn.status, 0, "{}", drawn.err);
     assert!(path.join("p.svg").exists());
