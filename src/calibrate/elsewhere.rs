@@ -101,6 +101,7 @@ pub fn described(program: &Program, sources: &SourceMap, plan: &Plan, data: &Dat
     w.count(plan.signals.len());
     plan.signals.iter().for_each(|s| w.text(&s.variable));
     w.count(usize::from(is_numbered(plan)));
+    w.optional(plan.most_steps, |w, steps| w.count(steps as usize));
     w.numbers(&data.sigmas);
     w.count(checksum(data) as usize);
     w.0.into()
@@ -264,6 +265,7 @@ impl Worker {
         if r.count()? == 1 && !is_numbered(plan) {
             number_recordings(plan, data);
         }
+        plan.most_steps = r.optional(|r| Some(r.count()? as u64))?;
         data.sigmas = r.numbers()?;
         Some((appended, experiment, r.count()? as u64))
     }

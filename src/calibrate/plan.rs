@@ -64,6 +64,8 @@ pub struct Plan {
     pub free: Vec<Free>,
     /// Parameters that are free for each recording: it has a value of its own.
     pub each: Vec<Free>,
+    /// Steps after which a run is abandoned, if fewer than usual.
+    pub most_steps: Option<u64>,
 }
 
 /// An FMU whose surroundings are the model of a plan. Inside it nothing can be added.

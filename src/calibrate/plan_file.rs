@@ -87,6 +87,7 @@ fn plan(r: &mut Reader<'_>, root: &Section<'_>, path: &Path) -> Plan {
         signals: signals(r, root),
         free,
         each,
+        most_steps: None,
     };
     contradictions(r, &plan);
     plan

@@ -281,6 +281,7 @@ fn channels(program: &Program, plan: &Plan, data: &Data, problems: &mut Problems
 fn settings(program: &Program, plan: &Plan, execution: Option<Execution>) -> Settings {
     let mut settings = Settings::of(&program.blocks.dae.experiment);
     settings.spacing = program.blocks.dae.experiment.interval;
+    settings.most_steps = plan.most_steps.unwrap_or(settings.most_steps);
     // Thousands of runs: machine code pays, unless others do them.
     settings.execution = match execution {
         Some(execution) => execution,

@@ -6,7 +6,7 @@ use super::parameter::Parameter;
 use super::problem::{Channel, Point, Problem};
 use super::rows::Rows;
 use crate::simulate::failure::Failure;
-use crate::simulate::run::simulate_to;
+use crate::simulate::run::{Statistics, simulate_to};
 use crate::simulate::sensitivity::Input;
 use crate::simulate::settings::Settings;
 
@@ -72,8 +72,22 @@ impl Problem<'_> {
         let rows = recording.time.len().saturating_sub(1).max(1) as f64;
         settings.spacing = settings.spacing.or(Some((settings.stop - settings.start) / rows));
         // A search passes through values at which a run would take hours; no minimum lies there.
-        settings.most_steps = MAX_STEPS + MAX_STEPS_PER_ROW * recording.time.len() as u64;
+        let most = MAX_STEPS + MAX_STEPS_PER_ROW * recording.time.len() as u64;
+        settings.most_steps = most.min(self.settings.most_steps);
         settings
+    }
+
+    /// The most steps that a run of a training recording takes at `x`.
+    pub fn steps(&self, x: &[f64]) -> Result<u64, Failure> {
+        let recordings = self.recordings(Split::Train);
+        let of_run = |i: usize| {
+            let recording = recordings[i];
+            let taken = self.taken(recording, Point { free: x, own: &[] });
+            let (_, statistics) = self.run_with(recording, &self.settings(recording, &taken))?;
+            Ok(statistics.integration.steps)
+        };
+        let all = parallel::map(self.jobs, recordings.len(), of_run);
+        all.into_iter().try_fold(0, |most, steps| Ok(most.max(steps?)))
     }
 
     /// The variables of the signals at the instants of a recording, signal by signal, in the units of
@@ -91,9 +105,18 @@ impl Problem<'_> {
 
     /// The same with given settings.
     fn rows_with(&self, recording: &Recording, settings: &Settings) -> Result<Rows, Failure> {
+        Ok(self.run_with(recording, settings)?.0)
+    }
+
+    /// The rows and the statistics of a run.
+    fn run_with(
+        &self,
+        recording: &Recording,
+        settings: &Settings,
+    ) -> Result<(Rows, Statistics), Failure> {
         let sizes = [self.program.recorded.len(), 0];
         let run = |rows: &mut Rows| simulate_to(self.program, settings, self.sources, rows);
-        Ok(Rows::of(recording.time.clone(), sizes, run)?.0)
+        Rows::of(recording.time.clone(), sizes, run)
     }
 
     /// For each signal the recorded variable through which a parameter acts on it, if it does, and the factor from its

@@ -89,10 +89,16 @@ impl Hypothesis {
         fit: &mut dyn FnMut(&mut Problem<'_>) -> Option<Fit>,
     ) -> Result<Hypothesis, DiagnosisError> {
         let (session, program) = study.compile(&plan, &attached(study, &effects), &[])?;
+        plan.most_steps = study.most_steps.get().filter(|_| !effects.is_empty()).copied();
         let mut problems = Problems::new();
         let problem = Problem::new(&program, &session.sources, &plan, &study.data, &mut problems);
         let mut problem = problem.ok_or(DiagnosisError::Simulation)?;
         let fit = fit(&mut problem).ok_or(DiagnosisError::Simulation)?;
+        if effects.is_empty() && study.most_steps.get().is_none() {
+            let steps = problem.steps(&fit.x).map_err(|_| DiagnosisError::Simulation)?;
+            let policy = &study.policy;
+            study.most_steps.get_or_init(|| policy.steps_factor * steps + policy.further_steps);
+        }
         let values = problem.values(&fit.x);
         let errors = standard_errors(&fit.normal, &problem.parameters, &fit.x);
         let train = problem.sums(Split::Train, &fit.x).map_err(|_| DiagnosisError::Simulation)?;

@@ -1,5 +1,7 @@
 //! The model under examination, and its programs with effects attached.
 
+use std::sync::OnceLock;
+
 use crate::base::index::{FastMap, FastSet};
 use crate::calibrate::data::Data;
 use crate::calibrate::plan::Plan;
@@ -76,6 +78,8 @@ pub struct Study {
     pub angles: FastSet<String>,
     /// Limits, thresholds and stopping rules.
     pub policy: SearchPolicy,
+    /// Steps after which a run of a model with effects is abandoned, once the model has been calibrated.
+    pub most_steps: OnceLock<u64>,
 }
 
 /// Why there is no diagnosis.
@@ -130,6 +134,7 @@ impl Study {
             effects,
             inventory,
             policy,
+            most_steps: OnceLock::new(),
         }
     }
 
