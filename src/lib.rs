@@ -10,61 +10,18 @@
 //! The modules are listed in reading order, one sentence each; a module's own page says more, and
 //! ARCHITECTURE.md says what it may import.
 
-// ---- Ground floor ----
+// Modules of the crates below have the same paths here.
+#[doc(inline)]
+pub use mocc_compiler::{
+    classes, clocks, codegen, evaluate, flatten, format, instantiate, lower, parse, resolve, rules,
+    structure, units,
+};
+#[doc(inline)]
+pub use mocc_engine::{
+    base, causes, define_id, external, graph, integrate, io, ir, numeric, runtime, simulate,
+    symbolic, verify,
+};
 
-// Spans, diagnostics, interned names, typed indices.
-pub mod base;
-// Graph algorithms on integers.
-pub mod graph;
-// Numerical methods on floats.
-pub mod numeric;
-// File formats: CSV, MAT, Parquet, JSON, journals.
-pub mod io;
-// The Standard Library's C functions: tables, random numbers, strings.
-pub mod external;
-// The representations between the stages.
-pub mod ir;
-// Algebra on expressions.
-pub mod symbolic;
-// The contracts of the representations, checked after each stage.
-pub mod verify;
-
-// ---- The compiler, front to back ----
-
-// Text to syntax tree.
-pub mod parse;
-// Text to the same text, formatted.
-pub mod format;
-// Class names to class definitions.
-pub mod resolve;
-// Names to classes, and what classes have after inheritance.
-pub mod classes;
-pub mod clocks;
-// The specification's rules that only report.
-pub mod rules;
-// Expressions, functions and algorithms to values.
-pub mod evaluate;
-// Classes and modifications to component instances.
-pub mod instantiate;
-// Instances to scalar variables and equations.
-pub mod flatten;
-// Unit checking of a flat model.
-pub mod units;
-// Flat model to hybrid differential-algebraic system.
-pub mod lower;
-// Index reduction, sorting, tearing.
-pub mod structure;
-// Sorted blocks to a program.
-pub mod codegen;
-
-// ---- The simulator ----
-
-// Evaluates a program: interpreter, machine code, derivatives.
-pub mod runtime;
-// Integration of semi-explicit systems in time.
-pub mod integrate;
-// Initialization, events, trajectories.
-pub mod simulate;
 // Plots, diagrams and pages.
 pub mod report;
 // Two runs compared within tolerances.

@@ -59,7 +59,7 @@ pub(super) fn settings(options: &Running, model: &Model, experiment: &Experiment
         interval: options.interval.or(experiment.interval),
         tolerance: options.tolerance.or(experiment.tolerance).or(project.tolerance),
     };
-    let method = options.method.or(method).unwrap_or_default();
+    let method = options.method.map(|named| named.0).or(method).unwrap_or_default();
     Settings { method, max_step: options.max_step, ..Settings::of(&experiment) }
 }
 

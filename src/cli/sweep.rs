@@ -303,7 +303,7 @@ fn describe(options: &Options) -> String {
                 options.running.interval,
                 options.running.tolerance,
                 options.running.max_step,
-                options.running.method,
+                options.running.method.map(|named| named.0),
                 options.running.mode
             ),
             (options.traces, &options.show, pattern),

@@ -208,7 +208,7 @@ impl Session {
             verify::after("instantiate", "instance", || verify::instance::check(&cx.instances));
         }
         // The FMUs of components remove their folders when they are dropped.
-        if self.is_last && cx.objects.is_empty() {
+        if self.is_last && !cx.has_objects() {
             std::mem::take(&mut cx.class_graph.instances).leak_elements();
             std::mem::forget(cx);
         }

@@ -16,6 +16,5 @@ pub mod import;
 pub mod instance;
 pub mod interface;
 pub mod package;
-pub mod program_wire;
 pub mod terminals;
 pub mod tunable;

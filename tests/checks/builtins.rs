@@ -1,4 +1,4 @@
-//! Adding a built-in function takes one row of the table in `src/ir/builtin.rs`: nothing else names it.
+//! Adding a built-in function takes one row of the table in `src/engine/ir/builtin.rs`: nothing else names it.
 
 use mocc::ir::expr::{Binary, Unary};
 use mocc::ir::external::Externals;
@@ -6,7 +6,7 @@ use mocc::ir::external::Externals;
 use super::architecture::{paths, program, tokens, without_tests};
 use super::door::{Case, Reading};
 
-const TABLE: &str = "src/ir/builtin.rs";
+const TABLE: &str = "src/engine/ir/builtin.rs";
 
 fn names() -> Vec<&'static str> {
     let unary = Unary::TABLE.iter().flat_map(|op| op.called_names());

@@ -25,7 +25,7 @@ pub struct Running {
     pub max_step: Option<f64>,
     /// Integration method [default: that of mocc.toml, else auto].
     #[arg(long, value_name = "METHOD", value_enum)]
-    pub method: Option<Method>,
+    pub method: Option<NamedMethod>,
     /// Solver of algebraic loops.
     #[arg(long, value_name = "MODE", value_enum, default_value_t = Mode::Reduced)]
     pub mode: Mode,
@@ -55,13 +55,23 @@ impl From<ImportedType> for Integrating {
     }
 }
 
-impl ValueEnum for Method {
+/// An integration method by its name.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct NamedMethod(pub Method);
+
+impl ValueEnum for NamedMethod {
     fn value_variants<'a>() -> &'a [Self] {
-        &[Method::Auto, Method::Radau, Method::Bdf, Method::Dopri]
+        const ALL: &[NamedMethod] = &[
+            NamedMethod(Method::Auto),
+            NamedMethod(Method::Radau),
+            NamedMethod(Method::Bdf),
+            NamedMethod(Method::Dopri),
+        ];
+        ALL
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        let (name, help) = match self {
+        let (name, help) = match self.0 {
             Method::Auto => ("auto", "Chosen by the structure of the model"),
             Method::Radau => {
                 ("radau", "Radau IIA of order 5, implicit: stiff models, models with events")
@@ -81,7 +91,7 @@ impl ValueEnum for Method {
 
 /// The method of a name.
 pub fn method_named(name: &str) -> Option<Method> {
-    Method::from_str(name, false).ok()
+    NamedMethod::from_str(name, false).ok().map(|named| named.0)
 }
 
 /// Solver of algebraic loops.

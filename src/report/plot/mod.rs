@@ -398,7 +398,6 @@ fn undrawn(error: impl std::fmt::Display) -> PlotError {
 mod tests {
     use super::figure::{Panel, panels_for};
     use super::*;
-    use crate::io::atomic_file::tests::Scratch;
     use crate::ir::trajectory::{Column, Event};
 
     /// A damped oscillation of a piston that hits a stop, with `rows` rows and an event in the
@@ -517,21 +516,27 @@ mod tests {
 
     #[test]
     fn files_are_chosen_by_extension() {
-        let dir = Scratch::new("plot");
+        let folder = std::env::temp_dir().join(format!("mocc-plot-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = |file: &str| folder.join(file);
         let run = run(100);
         let spec = PlotSpec { width: 500, height: 400, ..spec(&run) };
-        plot(&run, &spec, dir.path("a.PNG")).unwrap();
-        plot(&run, &spec, dir.path("a.svg")).unwrap();
-        let png = std::fs::read(dir.path("a.PNG")).unwrap();
+        plot(&run, &spec, path("a.PNG")).unwrap();
+        plot(&run, &spec, path("a.svg")).unwrap();
+        let png = std::fs::read(path("a.PNG")).unwrap();
         assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
         let side = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
         assert_eq!((side(16), side(20)), (500 * PNG_SCALE, 400 * PNG_SCALE));
-        let error = plot(&run, &spec, dir.path("a.jpg")).unwrap_err().to_string();
+        let error = plot(&run, &spec, path("a.jpg")).unwrap_err().to_string();
         assert!(error.ends_with("a.jpg: a picture's name ends in .svg or .png"), "{error}");
         let large = PlotSpec { width: 5000, height: 5000, ..spec };
-        let error = plot(&run, &large, dir.path("b.png")).unwrap_err().to_string();
+        let error = plot(&run, &large, path("b.png")).unwrap_err().to_string();
         assert_eq!(error, "5000 x 5000 px is too large for a picture");
-        assert_eq!(dir.files(), ["a.PNG", "a.svg"]);
+        let files = std::fs::read_dir(&folder).unwrap().map(|file| file.unwrap().file_name());
+        let mut files: Vec<_> = files.collect();
+        files.sort();
+        assert_eq!(files, ["a.PNG", "a.svg"]);
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]
