@@ -119,7 +119,7 @@ impl Form {
 
     /// It equals another form where the variable has only one sign.
     pub fn needs_both_signs(&self) -> bool {
-        let of_magnitude = [MAGNITUDE.modelica, EVEN_POWER.modelica];
+        let of_magnitude = [MAGNITUDE.modelica, EVEN_POWER.modelica, EVEN_HYPERBOLA.modelica];
         let is_even = self.terms.iter().all(|t| of_magnitude.contains(&t.modelica));
         let is_hinge = self.shapes.iter().any(|s| [EDGE.name, LOWER.name].contains(&s.name));
         let is_square = self.terms.iter().any(|t| t.modelica == SQUARE.modelica);
@@ -209,6 +209,21 @@ const HYPERBOLA: Term = Term {
     shown: "{u}/(width + |{u}|)",
     value: |u, p| u / (p[0] + u.abs()),
 };
+const EVEN_HYPERBOLA: Term = Term {
+    modelica: "noEvent(abs({u}))/(width + noEvent(abs({u})))",
+    shown: "|{u}|/(width + |{u}|)",
+    value: |u, p| u.abs() / (p[0] + u.abs()),
+};
+const LOGARITHM: Term = Term {
+    modelica: "noEvent(sign({u})*log(1 + abs({u})/width))",
+    shown: "sign({u}) log(1 + |{u}|/width)",
+    value: |u, p| u.signum() * (u.abs() / p[0]).ln_1p(),
+};
+const RECIPROCAL: Term = Term {
+    modelica: "(1/noEvent(max(1 - {u}/pole, 0.02)) - 1)",
+    shown: "(1/(1 - {u}/pole) - 1)",
+    value: |u, p| 1.0 / (1.0 - u / p[0]).max(0.02) - 1.0,
+};
 const STEP: Term = Term {
     modelica: "tanh(({u} - centre)/width)",
     shown: "tanh(({u} - centre)/width)",
@@ -283,6 +298,18 @@ const WIDTH: Shape = Shape {
     range: (1e-2, 1e2),
     keeps_sign: false,
 };
+const KNEE: Shape = Shape {
+    name: "width",
+    starts: &[1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0],
+    range: (1e-5, 1e2),
+    keeps_sign: false,
+};
+const POLE: Shape = Shape {
+    name: "pole",
+    starts: &[1.1, 1.3, 1.7, 2.5, 4.0, 8.0, -0.2, -0.5, -1.1, -1.3, -1.7, -2.5, -4.0, -8.0],
+    range: (0.05, 1e2),
+    keeps_sign: true,
+};
 const CENTRE: Shape = Shape {
     name: "centre",
     starts: &[-0.9, -0.75, -0.6, -0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9],
@@ -332,6 +359,14 @@ static FORMS: &[Form] = &[
     Form { name: "Growth", terms: &[GROWTH], shapes: &[SCALE], is_zero_at_zero: true },
     Form { name: "Saturation", terms: &[SATURATION], shapes: &[WIDTH], is_zero_at_zero: true },
     Form { name: "Hyperbola", terms: &[HYPERBOLA], shapes: &[WIDTH], is_zero_at_zero: true },
+    Form {
+        name: "EvenHyperbola",
+        terms: &[EVEN_HYPERBOLA],
+        shapes: &[WIDTH],
+        is_zero_at_zero: true,
+    },
+    Form { name: "Logarithm", terms: &[LOGARITHM], shapes: &[KNEE], is_zero_at_zero: true },
+    Form { name: "Reciprocal", terms: &[RECIPROCAL], shapes: &[POLE], is_zero_at_zero: true },
     Form { name: "DeadBand", terms: &[DEAD_BAND], shapes: &[EDGE], is_zero_at_zero: true },
     Form { name: "Fall", terms: &[FALL], shapes: &[WIDTH], is_zero_at_zero: true },
     Form {

@@ -1,16 +1,21 @@
 //! The shape parameters with which effects are scored, derived from the ranges that their variables cover.
 
 use crate::base::diag::Problems;
+use crate::calibrate::data::Split;
 use crate::calibrate::problem::Problem;
 
-use super::catalogue::Effect;
+use super::catalogue::{Effect, Start};
 use super::hypothesis::{Hypothesis, attached};
 use super::model_source::Attached;
 use super::place::Place;
+use super::result::unit;
 use super::study::Study;
 
 /// The range of a variable of an effect at a place.
 pub type Ranges = Vec<((usize, Place), String, (f64, f64))>;
+
+/// Effects call the time so.
+const TIME: &str = "t";
 
 /// The range if none is known.
 const UNKNOWN_RANGE: (f64, f64) = (0.0, 1.0);
@@ -54,10 +59,12 @@ fn probe(
 ) {
     let mut probes = attached(study, &hypothesis.effects);
     let mut names = Vec::new();
+    let time = time_range(study);
     for (i, (k, place, variables)) in wanted.iter().enumerate() {
         let name = format!("probe_{i}");
         names.extend(variables.iter().map(|v| format!("{name}.{v}")));
-        probes.push(Attached::new(&study.effects[*k], place, name, Vec::new()));
+        let effect = &study.effects[*k];
+        probes.push(Attached::new(effect, place, name, shape_in_time(effect, time)));
     }
     let plan = &hypothesis.plan;
     let found = study.compile(plan, &probes, &names).ok().and_then(|(session, program)| {
@@ -80,6 +87,26 @@ fn probe(
             out.push(((*k, (*place).clone()), v.clone(), range));
         }
     }
+}
+
+/// The times that the training recordings cover, s.
+fn time_range(study: &Study) -> (f64, f64) {
+    let times = study.data.of(Split::Train).flat_map(|r| r.start.iter().chain(r.time.iter()));
+    times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)))
+}
+
+/// The shape parameters that depend on the range of time alone. Their defaults would be short compared with a recording
+/// of seconds, and make one of hours too stiff to be simulated.
+fn shape_in_time(effect: &Effect, time: (f64, f64)) -> Vec<(String, f64)> {
+    let is_time = |v: &str| v == TIME && unit(effect, v) == "s";
+    let of = |(name, starts): &(String, Vec<Start>)| {
+        let first = starts.first()?;
+        let mut variables = first.variables().peekable();
+        let depends = variables.peek().is_some() && variables.all(|v| is_time(v));
+        let value = *first.values(|_| time).first().filter(|_| depends)?;
+        Some((name.clone(), value))
+    };
+    effect.shape_parameters.iter().filter_map(of).collect()
 }
 
 /// All combinations of the starts of an effect's shape parameters.
