@@ -306,8 +306,9 @@ const KNEE: Shape = Shape {
 };
 const POLE: Shape = Shape {
     name: "pole",
-    starts: &[1.1, 1.3, 1.7, 2.5, 4.0, 8.0, -0.2, -0.5, -1.1, -1.3, -1.7, -2.5, -4.0, -8.0],
-    range: (0.05, 1e2),
+    starts: &[1.1, 1.3, 1.7, 2.5, 4.0, 8.0, -1.1, -1.3, -1.7, -2.5, -4.0, -8.0],
+    // Within the range of the variable there is none.
+    range: (1.05, 1e2),
     keeps_sign: true,
 };
 const CENTRE: Shape = Shape {

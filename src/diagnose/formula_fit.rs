@@ -476,6 +476,13 @@ mod tests {
         let (name, amplitudes, shapes) = chosen(|x| 7.0 * x / (0.8 + x));
         assert_eq!(name, "Hyperbola");
         assert!((shapes[0] - 0.4).abs() < 1e-3 && (amplitudes[0] - 7.0).abs() < 1e-2, "{shapes:?}");
+        let (name, _, shapes) = chosen(|x| 2.0 * (1.0 + x / 0.02).ln());
+        assert_eq!(name, "Logarithm");
+        assert!((shapes[0] - 0.01).abs() < 1e-4, "{shapes:?}");
+        // The compliance of a rope of length 2.6 that winds up: 1/(1 - u/1.3) - 1.
+        let (name, amplitudes, shapes) = chosen(|x| 0.5 * (1.0 / (1.0 - x / 2.6) - 1.0));
+        assert_eq!(name, "Reciprocal");
+        assert!((shapes[0] - 1.3).abs() < 1e-3 && (amplitudes[0] - 0.5).abs() < 1e-3, "{shapes:?}");
     }
 
     #[test]

@@ -106,10 +106,11 @@ pub fn places(
         }
         return all;
     }
-    if !effect.binds.is_empty() {
-        return Vec::new();
-    }
     match effect.connectors.as_slice() {
+        [a, b] if !effect.binds.is_empty() && a.class == b.class => {
+            bridged(effect, a, b, (inventory, variables))
+        }
+        _ if !effect.binds.is_empty() => Vec::new(),
         [only] => nodes(only, inventory),
         [a, b] if a.class == b.class => pairs(a, b, inventory),
         _ => Vec::new(),
@@ -186,12 +187,38 @@ fn hosted(effect: &Effect, part: &InventoryPart, variables: &FastSet<&str>) -> O
         fits.then_some(())?;
         connections.push((end.name.clone(), format!("{}.{}", part.name, end.name)));
     }
-    let mut binds = Vec::new();
-    for (input, choices) in &effect.binds {
-        let full = choices.iter().map(|c| format!("{}.{c}", part.name));
-        binds.push((input.clone(), full.into_iter().find(|v| variables.contains(v.as_str()))?));
-    }
+    let binds = bound(effect, part, variables)?;
     Some(Place { connections, binds, ..Place::at(std::slice::from_ref(&part.name)) })
+}
+
+/// The variables of a component that the inputs of an effect are bound to, if it has them all.
+fn bound(
+    effect: &Effect,
+    part: &InventoryPart,
+    variables: &FastSet<&str>,
+) -> Option<Vec<(String, String)>> {
+    let variable = |(input, choices): &(String, Vec<String>)| {
+        let mut full = choices.iter().map(|c| format!("{}.{c}", part.name));
+        Some((input.clone(), full.find(|v| variables.contains(v.as_str()))?))
+    };
+    effect.binds.iter().map(variable).collect()
+}
+
+/// Every component with two connectors like those of the effect, and with the variables that its inputs are bound to.
+fn bridged(
+    effect: &Effect,
+    a: &InventoryConnector,
+    b: &InventoryConnector,
+    (inventory, variables): (&Inventory, &FastSet<&str>),
+) -> Vec<Place> {
+    let of_part = |part: &InventoryPart| {
+        let own: Vec<&InventoryConnector> = alike(part, a).collect();
+        let [x, y] = own.as_slice() else { return None };
+        let fits = !part.name.is_empty() && x.node != y.node && is_alike(a, x, y);
+        let binds = bound(effect, part, variables).filter(|_| fits)?;
+        Some(Place { binds, ..attached(part, [(a, (part, x)), (b, (part, y))]) })
+    };
+    inventory.parts.iter().filter_map(of_part).collect()
 }
 
 /// True for an element of an array of components.

@@ -102,7 +102,7 @@ fn shape_in_time(effect: &Effect, time: (f64, f64)) -> Vec<(String, f64)> {
     let of = |(name, starts): &(String, Vec<Start>)| {
         let first = starts.first()?;
         let mut variables = first.variables().peekable();
-        let depends = variables.peek().is_some() && variables.all(|v| is_time(v));
+        let depends = variables.peek().is_some() && variables.all(is_time);
         let value = *first.values(|_| time).first().filter(|_| depends)?;
         Some((name.clone(), value))
     };

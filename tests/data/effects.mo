@@ -787,6 +787,31 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
     end SaturationVariation;
 
+    model HarmonicVariation
+      extends Check;
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+      Effects.HarmonicVariation effect(A = 0.3, B = 0.2, N = 3, x = time);
+    equation
+      der(T) = -k*T;
+      found = {T};
+      exact = {exp(-2*(time + 0.3*(1 - cos(3*time))/3 + 0.2*sin(3*time)/3))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end HarmonicVariation;
+
+    model ExposureVariation
+      extends Check;
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+      Effects.ExposureVariation effect(k = -0.5, x = -2, x_0 = 1, T = 4);
+    equation
+      der(T) = -k*T;
+      found = {T};
+      // e = time/2.
+      exact = {exp(-8*(1 - exp(-time/4)))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end ExposureVariation;
+
     model WaveVariation
       extends Check;
       parameter Real k = 2;
@@ -1565,6 +1590,20 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end InductorSaturation;
 
+    model SeriesLag
+      extends Check;
+      Electrical.Ground ground;
+      Electrical.Voltage store(v_0 = 2);
+      Effects.SeriesLag effect(i_host = time, tau = 0.2, tau_min = 1e-9);
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+      connect(store.n, ground.p);
+      found = {effect.i};
+      exact = {-0.2*(1 - exp(-time/0.2))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end SeriesLag;
+
     model OffsetCurrent
       extends Check;
       Electrical.Ground ground;
@@ -2248,6 +2287,18 @@ package EffectTests
       annotation(__mocc(varies = "spring.c = effect.factor"));
     end SaturationVariation;
 
+    model HarmonicVariation
+      extends Base;
+      Effects.HarmonicVariation effect(x = s/1e-3);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end HarmonicVariation;
+
+    model ExposureVariation
+      extends Base;
+      Effects.ExposureVariation effect(x = s, x_0 = 3.5e-3, T = 0.1);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end ExposureVariation;
+
     model WaveVariation
       extends Base;
       Effects.WaveVariation effect(x = s, L = 3.5e-3);
@@ -2715,6 +2766,14 @@ package EffectTests
       connect(effect.p, store.p);
       connect(effect.n, store.n);
     end InductorSaturation;
+
+    model SeriesLag
+      extends BesideCircuit;
+      Effects.SeriesLag effect(i_host = store.i, tau_min = 1e-6);
+    equation
+      connect(effect.p, store.p);
+      connect(effect.n, store.n);
+    end SeriesLag;
 
     model FreeCurrentOverVoltage
       extends BesideCircuit;
