@@ -208,7 +208,7 @@ pub fn program() -> Vec<String> {
     let tests = test_modules();
     let mut files = files("src", "rs");
     files.retain(|file| !tests.iter().any(|test| within(&module_of(file), test)));
-    files.retain(|file| !file.ends_with("/lib.rs") && file != "src/build.rs");
+    files.retain(|file| !file.ends_with("/lib.rs") && !file.ends_with("/build.rs"));
     files
 }
 

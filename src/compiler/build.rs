@@ -1,11 +1,10 @@
-//! Generates the parser from the grammar in this folder.
+//! Generates the parser from the grammar.
 use std::path::Path;
 
 fn main() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../grammar");
-    for file in ["build.rs", "modelica.lalrpop"] {
-        println!("cargo::rerun-if-changed={}", folder.join(file).display());
-    }
+    println!("cargo::rerun-if-changed=build.rs");
+    println!("cargo::rerun-if-changed={}", folder.join("modelica.lalrpop").display());
     let out = std::env::var("OUT_DIR").expect("cargo sets OUT_DIR");
     lalrpop::Configuration::new()
         .set_in_dir(folder)
