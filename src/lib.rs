@@ -7,10 +7,10 @@
 //!    cli ──► driver  (calls the row above)      io, report ◄── trajectory ◄── simulate ◄── integrate, runtime
 //! ```
 //!
-//! The modules are listed in reading order, one sentence each; a module's own page says more, and
-//! ARCHITECTURE.md says what it may import.
+//! The first row, from `parse` to `codegen`, is the crate in `compiler/`; the simulator and everything that stages share is
+//! the one in `engine/`. Their modules have the same paths here. Those of this crate are listed in reading order, one
+//! sentence each; a module's own page says more, and ARCHITECTURE.md says what it may import.
 
-// Modules of the crates below have the same paths here.
 #[doc(inline)]
 pub use mocc_compiler::{
     classes, clocks, codegen, evaluate, flatten, format, instantiate, lower, parse, resolve, rules,

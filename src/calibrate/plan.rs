@@ -64,7 +64,7 @@ pub struct Plan {
     pub free: Vec<Free>,
     /// Parameters that are free for each recording: it has a value of its own.
     pub each: Vec<Free>,
-    /// Steps after which a run is abandoned, if fewer than usual.
+    /// Steps after which a run of a training recording is abandoned, if fewer than usual.
     pub most_steps: Option<u64>,
 }
 

@@ -14,7 +14,6 @@ pub mod format;
 pub mod resolve;
 // Names to classes, and what classes have after inheritance.
 pub mod classes;
-pub mod clocks;
 // The specification's rules that only report.
 pub mod rules;
 // Expressions, functions and algorithms to values.
@@ -23,6 +22,8 @@ pub mod evaluate;
 pub mod instantiate;
 // Instances to scalar variables and equations.
 pub mod flatten;
+// A flat model with clocks and state machines to one without.
+pub mod clocks;
 // Unit checking of a flat model.
 pub mod units;
 // Flat model to hybrid differential-algebraic system.

@@ -31,11 +31,11 @@ pub struct SearchPolicy {
     pub explained_limit: f64,
     /// The most effects that may leave something to explain; more of them are a partial explanation. Default 3.
     pub most_that_leave_something: usize,
-    /// A run of a model with effects is abandoned after this many times the steps of the calibrated model, and
+    /// A run of a training recording by a model with effects is abandoned after this many times the steps of the calibrated model, and
     /// `further_steps`. Default 20. Effects that make a model stiff or let it chatter are rarely what it lacks, and take
     /// most of the time.
     pub steps_factor: u64,
-    /// Steps that any run may take. Default 20 000.
+    /// Steps that any such run may take. Default 20 000.
     pub further_steps: u64,
     /// Share of the excess over noise, of the fitted recordings and of those held out, below which a partial explanation is
     /// not worth to be named. Default 0.1.

@@ -95,8 +95,8 @@ fn time_range(study: &Study) -> (f64, f64) {
     times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)))
 }
 
-/// The shape parameters that depend on the range of time alone. Their defaults would be short compared with a recording
-/// of seconds, and make one of hours too stiff to be simulated.
+/// The shape parameters that depend on the range of time alone. Their defaults suit recordings of seconds: over hours they
+/// would be so short that nothing could be simulated.
 fn shape_in_time(effect: &Effect, time: (f64, f64)) -> Vec<(String, f64)> {
     let is_time = |v: &str| v == TIME && unit(effect, v) == "s";
     let of = |(name, starts): &(String, Vec<Start>)| {
@@ -126,4 +126,34 @@ pub fn shapes(effect: &Effect, range: impl Fn(&str) -> (f64, f64)) -> Vec<Vec<(S
             .collect();
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_scales_follow_from_the_time_alone() {
+        let shapes = |pairs: &[(&str, Start)]| {
+            pairs.iter().map(|(name, start)| ((*name).to_owned(), vec![start.clone()])).collect()
+        };
+        let effect = Effect {
+            shape_parameters: shapes(&[
+                ("T_min", Start::Multiple(1e-5, "t".into())),
+                ("r_max", Start::MultipleOfRate(2.0, "u".into(), "t".into())),
+                ("w", Start::Multiple(0.1, "u".into())),
+                ("n", Start::Value(3.0)),
+            ]),
+            units: vec![("t".into(), "s".into())],
+            ..Effect::default()
+        };
+        // A recording from 600 s to 7800 s.
+        let known = shape_in_time(&effect, (600.0, 7800.0));
+        assert_eq!(known.len(), 1, "{known:?}");
+        assert_eq!(known[0].0, "T_min");
+        assert!((known[0].1 - 0.072).abs() < 1e-12, "{known:?}");
+        // Another quantity of this name is not the time.
+        let of_other = Effect { units: vec![("t".into(), "K".into())], ..effect };
+        assert_eq!(shape_in_time(&of_other, (600.0, 7800.0)), []);
+    }
 }

@@ -78,7 +78,7 @@ pub struct Study {
     pub angles: FastSet<String>,
     /// Limits, thresholds and stopping rules.
     pub policy: SearchPolicy,
-    /// Steps after which a run of a model with effects is abandoned, once the model has been calibrated.
+    /// Steps after which a run of a training recording with effects is abandoned, once the model has been calibrated.
     pub most_steps: OnceLock<u64>,
 }
 
