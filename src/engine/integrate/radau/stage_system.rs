@@ -172,7 +172,7 @@ fn lanes(panel: &[f64], at: usize) -> [f64; LANES] {
 /// `a x` for the rows of `x` at a lane, row by row.
 #[inline]
 fn applied(a: &Block, x: &[f64], width: usize, lane: usize) -> [[f64; LANES]; STAGES] {
-    let [p, q, r] = [0, 1, 2].map(|row| lanes(x, row * width + lane));
+    let [p, q, r] = [lanes(x, lane), lanes(x, width + lane), lanes(x, 2 * width + lane)];
     std::array::from_fn(|row| {
         let [f, g, h] = [a[row * STAGES], a[row * STAGES + 1], a[row * STAGES + 2]];
         std::array::from_fn(|l| f * p[l] + g * q[l] + h * r[l])

@@ -8,6 +8,9 @@ use crate::external::External;
 use crate::ir::external::Externals;
 use crate::symbolic::eval;
 
+/// No external functions: a static, since a temporary would be dropped with each call.
+static NONE: Externals = Externals::EMPTY;
+
 /// Address of a function `extern "C" fn(f64) -> f64` that computes a unary operator.
 pub fn unary(op: Unary) -> usize {
     macro_rules! address {
@@ -19,7 +22,7 @@ pub fn unary(op: Unary) -> usize {
                 Unary::Carried(_) | Unary::Text(_) => external_unary(),
                 $(Unary::$op => {
                     extern "C" fn compute(a: f64) -> f64 {
-                        eval::unary(Unary::$op, a, &Externals::EMPTY)
+                        eval::unary_inlined(Unary::$op, a, &NONE)
                     }
                     compute as *const () as usize
                 })*
@@ -74,7 +77,7 @@ pub fn binary(op: Binary) -> usize {
                 Binary::External(_) => external_binary(),
                 $(Binary::$op => {
                     extern "C" fn compute(a: f64, b: f64) -> f64 {
-                        eval::binary(Binary::$op, a, b, &Externals::EMPTY)
+                        eval::binary_inlined(Binary::$op, a, b, &NONE)
                     }
                     compute as *const () as usize
                 })*
