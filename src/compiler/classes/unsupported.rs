@@ -20,7 +20,9 @@ pub enum Construct {
     HistoryInLoop,
     IteratorWithoutRange,
     NamedStringArguments,
+    RedeclaredField,
     SecondDerivative,
+    ThisEquation,
 }
 
 impl fmt::Display for Construct {
@@ -50,7 +52,9 @@ impl fmt::Display for Construct {
             Construct::NamedStringArguments => {
                 "named arguments of `String` for an operator record"
             }
+            Construct::RedeclaredField => "`redeclare` in the modification of a record in a function",
             Construct::SecondDerivative => "the derivative of a derivative",
+            Construct::ThisEquation => "this equation",
         })
     }
 }

@@ -10,8 +10,8 @@ use super::implicit_ranges::Body;
 use super::pattern::Pattern;
 use super::random_draw::Place;
 use super::reference::Selection;
-use super::subscript::{one_by_one, positions};
-use super::value::{Record, Value};
+use super::subscript::{Selector, element_position, one_by_one, positions};
+use super::value::{Array, Record, Value};
 use crate::base::index::FastMap;
 use crate::base::name::Name;
 use crate::base::source::Span;
@@ -377,7 +377,29 @@ impl Evaluator<'_> {
             let old = self.frames.visible()[at].1.clone();
             let pattern = self.pattern_of_local(first);
             let places = Places { target: target.span, statement: span };
-            let mut new = self.updated(&old, &pattern, &target.parts, value, scope, places)?;
+            let mut new = match (target.parts.as_slice(), &old) {
+                ([part], Value::Array(array)) if !part.subscripts.is_empty() => {
+                    let selectors =
+                        self.selectors(&array.dims, &part.subscripts, scope, target.span)?;
+                    let only = element_position(&array.dims, &selectors);
+                    if let (Some(k), None) = (only, self.exits.all().next()) {
+                        let value = self.fitted(&pattern.element(), &[], value, span)?;
+                        // No other copy is left: assigning elements one by one does not copy the array each time.
+                        drop(old);
+                        self.frames.visible_mut()[at].1.set_element(k, value);
+                        return Some(());
+                    }
+                    self.replaced(
+                        (array, selectors),
+                        &pattern,
+                        &target.parts,
+                        value,
+                        scope,
+                        places,
+                    )?
+                }
+                (parts, _) => self.updated(&old, &pattern, parts, value, scope, places)?,
+            };
             for left in self.exits.all() {
                 new = self.if_values(left, old.clone(), new, target.span)?;
             }
@@ -459,7 +481,9 @@ impl Evaluator<'_> {
     ) -> Option<Value> {
         let span = at.target;
         let (part, rest) = parts.split_first()?;
-        if part.subscripts.is_empty() {
+        // A field of an array of records is that of each of them.
+        let is_of_each = matches!(old, Value::Array(_)) && !rest.is_empty();
+        if part.subscripts.is_empty() && !is_of_each {
             let Some(next) = rest.first() else {
                 return self.fitted(pattern, old.dims(), value, at.statement);
             };
@@ -485,6 +509,21 @@ impl Evaluator<'_> {
             return None;
         };
         let selectors = self.selectors(&array.dims, &part.subscripts, scope, span)?;
+        self.replaced((array, selectors), pattern, parts, value, scope, at)
+    }
+
+    /// An array with the elements that selectors select replaced, or what the parts behind the first one name in them.
+    fn replaced(
+        &mut self,
+        (array, selectors): (&Array, Vec<Selector>),
+        pattern: &Pattern,
+        parts: &[RefPart],
+        value: Value,
+        scope: Scope,
+        at: Places,
+    ) -> Option<Value> {
+        let span = at.target;
+        let (part, rest) = parts.split_first()?;
         let mut elements = array.elements.clone();
         let element = pattern.element();
         let assigned = match one_by_one(&array.dims, &selectors) {
@@ -509,12 +548,15 @@ impl Evaluator<'_> {
                     }
                     false => value.clone(),
                 };
-                if !single && value.elements().len() != positions.len() {
-                    self.report_count(value.elements().len(), positions.len(), span);
+                let parts = match single {
+                    true => vec![value],
+                    false => value.parts(sizes.len()),
+                };
+                if parts.len() != positions.len() {
+                    self.report_count(parts.len(), positions.len(), span);
                     return None;
                 }
-                for (k, p) in positions.iter().enumerate() {
-                    let new = if single { value.clone() } else { value.elements().get(k)?.clone() };
+                for (new, p) in parts.into_iter().zip(&positions) {
                     let new = if rest.is_empty() {
                         new
                     } else {

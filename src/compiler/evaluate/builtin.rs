@@ -240,9 +240,9 @@ impl Evaluator<'_> {
             "initial" => Some(Value::Scalar(self.graph.intern(Node::Initial, Type::Boolean))),
             "terminal" => Some(Value::Scalar(self.graph.intern(Node::Terminal, Type::Boolean))),
             "sample" => self.sample_call(args, named, span, scope),
-            "noEvent" => self
-                .one(args, span, scope)
-                .and_then(|v| v.map(|e| e.scalar().map(|e| Value::Scalar(self.graph.no_event(e))))),
+            "noEvent" => {
+                self.one(args, span, scope).map(|v| v.each_scalar(&mut |e| self.graph.no_event(e)))
+            }
             "smooth" => self.smooth_call(args, span, scope),
             "homotopy" => self.homotopy_call(args, named, span, scope),
             "semiLinear" => self.semi_linear(args, span, scope),
@@ -315,7 +315,10 @@ impl Evaluator<'_> {
     fn unary_call(&mut self, op: Unary, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
         let value = self.one(args, span, scope)?;
         if op == Unary::Ordinal {
-            return value.map(|v| Some(Value::Scalar(self.graph.unary(op, v.scalar()?))));
+            return value.map(|v| {
+                let e = self.scalar_of(v.clone(), span)?;
+                Some(Value::Scalar(self.graph.unary(op, e)))
+            });
         }
         self.each_number(op, &value, span)
     }
@@ -339,7 +342,7 @@ impl Evaluator<'_> {
     fn der(&mut self, args: &[Expr], span: Span, scope: Scope) -> Option<Value> {
         let value = self.one(args, span, scope)?;
         value.map(|v| {
-            let e = v.scalar()?;
+            let e = self.scalar_of(v.clone(), span)?;
             if self.graph.ty(e) != Type::Real {
                 let given = crate::symbolic::print::type_name(&self.graph, self.graph.ty(e));
                 let cause = TypeCause::NotDifferentiable { what: Underived::Type(given) };
@@ -393,7 +396,10 @@ impl Evaluator<'_> {
     ) -> Option<Value> {
         let mode = self.mode.unassigned();
         let value = self.with_mode(mode, |cx| cx.one(args, span, scope));
-        value?.map(|v| self.of_dynamic(v.scalar()?, span, &act).map(Value::Scalar))
+        value?.map(|v| {
+            let e = self.scalar_of(v.clone(), span)?;
+            self.of_dynamic(e, span, &act).map(Value::Scalar)
+        })
     }
 
     /// A variable as an algorithm section reads it where it is being executed.

@@ -70,7 +70,7 @@ impl Evaluator<'_> {
         match self.graph.ty(given) {
             Type::Clock => {
                 let method = match find(1, &["solverMethod"]) {
-                    Some(method) => self.fold(method, scope)?.scalar()?,
+                    Some(method) => self.fold_scalar(method, scope)?,
                     None => self.graph.string(""),
                 };
                 Some(self.clock(ClockOperator::Solver, &[given, method]))
@@ -85,11 +85,11 @@ impl Evaluator<'_> {
             }
             Type::Integer => {
                 let resolution = match find(1, &["resolution"]) {
-                    Some(resolution) => self.fold(resolution, scope)?.scalar()?,
+                    Some(resolution) => self.fold_scalar(resolution, scope)?,
                     None => self.graph.integer(1),
                 };
                 let counter = match self.variability(given) <= Variability::Parameter {
-                    true => self.fold(first, scope)?.scalar()?,
+                    true => self.fold_scalar(first, scope)?,
                     false => given,
                 };
                 let known = |e| matches!(self.graph.as_const(e), Some(Const::Integer(n)) if n >= 1);
@@ -139,7 +139,7 @@ impl Evaluator<'_> {
         let mut known = Vec::with_capacity(counters.len());
         for (k, &(name, default)) in counters.iter().enumerate() {
             let counter = match argument(args, named, k + 1, name) {
-                Some(written) => self.fold(written, scope)?.scalar()?,
+                Some(written) => self.fold_scalar(written, scope)?,
                 None => self.graph.integer(default),
             };
             match self.graph.as_const(counter) {

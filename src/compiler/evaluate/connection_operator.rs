@@ -150,7 +150,7 @@ impl Evaluator<'_> {
             return Some(value);
         }
         value.map(|v| {
-            let e = v.scalar()?;
+            let e = self.scalar_of(v.clone(), argument.span)?;
             if let Node::Var(v) = self.graph.node(e)
                 && let Some((id, _)) = self.instance_of.get(v.0 as usize).copied()
                 && self.instances[id].prefix.connection == Some(ConnectionPrefix::Stream)

@@ -8,15 +8,15 @@ use super::Evaluator;
 use super::cause::array::ArrayCause;
 use super::cause::call::{CallCause, Takes};
 use super::frame::FrameKind;
-use super::value::{Record, Value};
+use super::record_modifier::Given;
+use super::value::Value;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastSet;
 use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::classes::cause::Alternatives;
 use crate::ir::ast::{
-    ArgumentKind, Causality, ClassBody, ClassKind, Expr, Ident, Modification, Subscript,
-    Variability,
+    ArgumentKind, Causality, ClassBody, ClassKind, Expr, Ident, Subscript, Variability,
 };
 use crate::ir::expr::{Const, ExprId, Type};
 use crate::ir::instance::{ClassId, Declaration, Entry, EntryKind, Scope, SectionKind};
@@ -235,8 +235,8 @@ impl Evaluator<'_> {
         Some(given)
     }
 
-    /// A function of scalars called with arrays is called for each element (section 12.4.6).
-    fn vectorised(
+    /// A function or record constructor of scalars called with arrays is called for each element (section 12.4.6).
+    pub(super) fn vectorised(
         &mut self,
         class: ClassId,
         inputs: &[&(Entry, Declaration)],
@@ -273,7 +273,7 @@ impl Evaluator<'_> {
                     Some((inputs[k].0.name, part))
                 })
                 .collect();
-            match self.call_function(class, Vec::new(), element, span) {
+            match self.call_class(class, Vec::new(), element, span) {
                 Some(v) => results.push(v),
                 None => return Some(None),
             }
@@ -300,7 +300,7 @@ impl Evaluator<'_> {
         if let Some(of) = self.find_class(&declaration.clause().type_name, scope)
             && !matches!(self.kind(of), ClassKind::Function { .. })
             && !self.is_external_object(of)
-            && let Some(zero) = self.zero_of_class(of, entry.name.span)
+            && let Some(zero) = self.zero_of_class(of, &Given::default(), entry.name.span)
         {
             zero.for_each_scalar(&mut |e| types.push(self.graph.ty(e)));
         }
@@ -330,7 +330,9 @@ impl Evaluator<'_> {
                 return;
             }
             let count = declaration.component().dims.len() + declaration.clause().type_dims.len();
-            let Some(zero) = self.zero_of_class(of, entry.name.span) else { return };
+            let Some(zero) = self.zero_of_class(of, &Given::default(), entry.name.span) else {
+                return;
+            };
             let Some(inner) = self.sizes_of_type(of) else { return };
             let mut dims = vec![OPEN_SIZE; count];
             dims.extend(inner.into_iter().map(|size| size.unwrap_or(OPEN_SIZE)));
@@ -436,7 +438,7 @@ impl Evaluator<'_> {
             super::implicit_ranges::in_expression(&binding, &mut see);
         }
         if let Some(modification) = &declaration.component().modification {
-            for (_, binding) in field_bindings(modification) {
+            for binding in super::record_modifier::bindings(modification) {
                 super::implicit_ranges::in_expression(binding, &mut see);
             }
         }
@@ -493,7 +495,7 @@ impl Evaluator<'_> {
     /// Evaluates a binding of a declaration or a modification. A short class opens no scope for its
     /// modifications: they see the enclosing scope, and not the variables of the function (section
     /// 4.5.1).
-    fn evaluate_declared(&mut self, binding: &Expr, written_in: Scope) -> Option<Value> {
+    pub(super) fn evaluate_declared(&mut self, binding: &Expr, written_in: Scope) -> Option<Value> {
         let text = self.definition(written_in.class);
         if !text.is_some_and(|t| matches!(t.body, ClassBody::Short(_))) {
             return self.evaluate(binding, written_in);
@@ -569,41 +571,39 @@ impl Evaluator<'_> {
         entry: &Entry,
         declaration: &Declaration,
     ) -> Option<Value> {
+        self.declared_zero_with(entry, declaration, &Given::default())
+    }
+
+    /// The same with what modifications from outside give to its fields.
+    pub(super) fn declared_zero_with(
+        &mut self,
+        entry: &Entry,
+        declaration: &Declaration,
+        outside: &Given,
+    ) -> Option<Value> {
         let scope = self.declaration_scope(entry);
         let component = declaration.component();
         let sizes = self.declared_sizes(entry, declaration)?;
         let dims: Vec<usize> = sizes.into_iter().map(Option::unwrap_or_default).collect();
         self.check_count(&dims, component.name.span)?;
         let class = self.class_or_report(&declaration.clause().type_name, scope)?;
-        let mut zero = self.zero_of_class(class, component.name.span)?;
         // Fields may be given values one by one: `output Complex result(re=re, im=im)`.
-        if let (Value::Record(record), Some(m)) = (&zero, &component.modification) {
-            let mut fields = record.fields.clone();
-            let class = record.class;
-            for (field, binding) in field_bindings(m) {
-                if let Some(at) = fields.iter().position(|(n, _)| *n == field) {
-                    fields[at].1 = self.evaluate(binding, scope)?;
-                }
-            }
-            zero = Value::Record(Rc::new(Record { class, fields }));
-        }
-        let n: usize = dims.iter().product();
-        let elements = vec![zero; n];
+        let given = match self.has_fields(class) {
+            true => self.given_to(entry, declaration, outside)?,
+            false => Given::default(),
+        };
+        let (n, span) = (dims.iter().product(), component.name.span);
+        let elements = match dims.is_empty() || given.is_nothing() {
+            true => vec![self.zero_of_class(class, &given, span)?; n],
+            false => (0..n)
+                .map(|k| {
+                    let own = self.given_to_element(&given, &dims, k)?;
+                    self.zero_of_class(class, &own, span)
+                })
+                .collect::<Option<_>>()?,
+        };
         Some(Value::array(dims, elements))
     }
-}
-
-/// The values that a modification gives to fields: `record r(x=1, y=2)`.
-fn field_bindings(modification: &Modification) -> impl Iterator<Item = (Name, &Arc<Expr>)> {
-    modification.args.iter().filter_map(|argument| match &argument.kind {
-        ArgumentKind::Element { path, modification: Some(inner), .. } => {
-            match path.parts.as_slice() {
-                [field] => Some((field.name, inner.binding.as_ref()?)),
-                _ => None,
-            }
-        }
-        _ => None,
-    })
 }
 
 /// The first names of all references in the sizes of a declaration.

@@ -110,7 +110,7 @@ impl Evaluator<'_> {
             self.assert_delay(time, bound, span)?;
         }
         value.map(|v| {
-            let value = v.scalar()?;
+            let value = self.scalar_of(v.clone(), span)?;
             // A value that never changes has no history.
             if self.variability(value) <= Variability::Parameter {
                 return Some(Value::Scalar(value));

@@ -45,6 +45,7 @@ mod random;
 pub mod random_draw;
 mod record;
 mod record_binding;
+mod record_modifier;
 mod recursion;
 pub mod reference;
 pub mod runtime_loop;
@@ -302,6 +303,12 @@ impl Evaluator<'_> {
                 None
             }
         }
+    }
+
+    /// The scalar value of an expression that must be known before the model runs; anything else is reported.
+    pub(super) fn fold_scalar(&mut self, e: &Expr, scope: Scope) -> Option<ExprId> {
+        let value = self.fold(e, scope)?;
+        self.scalar_of(value, e.span)
     }
 
     /// The value of an expression that must be known before the model runs; reported if it is not.

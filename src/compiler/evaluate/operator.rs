@@ -14,6 +14,8 @@ use crate::ir::instance::Scope;
 
 /// Length of a string that is joined here, bytes.
 const MAX_STRING: usize = 1_000_000;
+/// Characters of a text that cost as much as the evaluation of an expression.
+const CHARACTERS_PER_STEP: usize = 8;
 
 impl Evaluator<'_> {
     /// `op a`
@@ -198,6 +200,8 @@ impl Evaluator<'_> {
                     cx.report(ValueCause::LongString { length, most: MAX_STRING }, span);
                     return None;
                 }
+                // A loop that makes a text longer leaves all of the shorter ones in memory.
+                cx.spend((length / CHARACTERS_PER_STEP) as u64, span)?;
                 return Some(Value::Scalar(cx.graph.binary(Binary::Add, s, t)));
             }
             if let (Value::Record(_), _) | (_, Value::Record(_)) = (x, y) {
@@ -319,9 +323,16 @@ impl Evaluator<'_> {
             return None;
         }
         let n = *r;
-        let mut result = self.identity(n);
-        for _ in 0..k {
-            result = self.product(&result, a, span)?;
+        // By squares: `a^13` is `a * a^4 * a^8`.
+        let (mut result, mut square, mut left) = (self.identity(n), a.clone(), k);
+        while left > 0 {
+            if left % 2 == 1 {
+                result = self.product(&result, &square, span)?;
+            }
+            left /= 2;
+            if left > 0 {
+                square = self.product(&square, &square, span)?;
+            }
         }
         Some(result)
     }

@@ -6,6 +6,7 @@ use std::rc::Rc;
 use super::cause::call::CallCause;
 use super::frame::FrameKind;
 use super::function::has_fixed_value;
+use super::record_modifier::Given;
 use super::value::{Record, Value};
 use super::{Evaluator, MAX_DEPTH};
 use crate::base::index::FastSet;
@@ -27,7 +28,13 @@ impl Evaluator<'_> {
     }
 
     /// A value of a class before anything is assigned: zero, false, empty, first literal.
-    pub(super) fn zero_of_class(&mut self, class: ClassId, span: Span) -> Option<Value> {
+    /// Modifications may give values to its fields.
+    pub(super) fn zero_of_class(
+        &mut self,
+        class: ClassId,
+        modified: &Given,
+        span: Span,
+    ) -> Option<Value> {
         let table = self.table(class);
         if let Some(ty) = table.scalar {
             return Some(self.zero_of_type(ty));
@@ -40,7 +47,8 @@ impl Evaluator<'_> {
         let components = self.components(class);
         let given = vec![None; components.len()];
         self.open_records.push(class);
-        let fields = self.with_frame(FrameKind::Function, |cx| cx.fields(&components, given));
+        let fields =
+            self.with_frame(FrameKind::Function, |cx| cx.fields(&components, given, modified));
         self.open_records.pop();
         Some(Value::Record(Rc::new(Record { class: Some(class), fields: fields.ok()? })))
     }
@@ -51,6 +59,7 @@ impl Evaluator<'_> {
         &mut self,
         components: &[(Entry, Declaration)],
         given: Vec<Option<Value>>,
+        modified: &Given,
     ) -> Result<Vec<(Name, Value)>, usize> {
         let mut order = Vec::with_capacity(components.len());
         let mut met = vec![false; components.len()];
@@ -62,7 +71,10 @@ impl Evaluator<'_> {
             let (entry, declaration) = &components[k];
             let value = match values[k].take() {
                 Some(value) => value,
-                None => self.local_start(entry, declaration).ok_or(k)?,
+                None => match modified.field(entry.name.name) {
+                    Some(given) => self.modified_start(entry, declaration, given).ok_or(k)?,
+                    None => self.local_start(entry, declaration).ok_or(k)?,
+                },
             };
             self.frames.declare(entry.name.name, value.clone());
             values[k] = Some(value);
@@ -119,7 +131,11 @@ impl Evaluator<'_> {
         let full_name = self.classes[class].full_name;
         let fields: Vec<&(Entry, Declaration)> =
             components.iter().filter(|(_, d)| !has_fixed_value(d)).collect();
-        let mut given = self.matched(full_name, &fields, args, named, span)?.into_iter();
+        let given = self.matched(full_name, &fields, args, named, span)?;
+        if let Some(result) = self.vectorised(class, &fields, &given, span) {
+            return result;
+        }
+        let mut given = given.into_iter();
         let given: Vec<Option<Value>> = components
             .iter()
             .map(|(_, d)| if has_fixed_value(d) { None } else { given.next().flatten() })
@@ -139,7 +155,8 @@ impl Evaluator<'_> {
         let outermost = !self.frames.in_function();
         let events = if outermost { self.events_of_arguments(&given) } else { FastSet::default() };
         self.open_records.push(class);
-        let built = self.with_frame(FrameKind::Function, |cx| cx.fields(&components, given));
+        let built = self
+            .with_frame(FrameKind::Function, |cx| cx.fields(&components, given, &Given::default()));
         self.open_records.pop();
         let built = match built {
             Ok(built) => built,

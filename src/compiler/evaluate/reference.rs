@@ -63,7 +63,9 @@ impl Evaluator<'_> {
                         self.report_unknown_field(first.name.name, &value, part.name);
                         return None;
                     };
-                    value = self.subscripted(field, &part.subscripts, scope, r.span)?;
+                    let outer = value.dims().len();
+                    value =
+                        self.subscripted_within(field, outer, &part.subscripts, scope, r.span)?;
                 }
                 return Some(value);
             }

@@ -166,11 +166,12 @@ impl Evaluator<'_> {
         };
         let mut variables: Vec<VarId> = outside.keys().copied().collect();
         variables.sort_unstable();
+        let mut symbolic = Vec::with_capacity(variables.len());
         for v in &variables {
             let (graph, counter) = (&mut self.class_graph.graph, &mut self.loops.symbols);
-            let symbolic = iteration.symbol(graph, counter, outside[v]);
-            self.assigned.insert(*v, symbolic);
+            symbolic.push(iteration.symbol(graph, counter, outside[v]));
         }
+        self.assigned.extend(variables.iter().copied().zip(symbolic.iter().copied()));
         before.iter().for_each(|(_, v)| v.for_each_scalar(&mut |e| iteration.computed.push(e)));
         iteration.computed.extend(outside.values());
         let left = std::mem::take(&mut self.exits);
@@ -192,6 +193,13 @@ impl Evaluator<'_> {
             self.unsupported(span, Construct::FirstAssignmentInLoop);
             return None;
         }
+        // A variable that the loop does not assign keeps its value. As a result of the loop it would seem to change with
+        // whatever the loop reads, also between events.
+        let is_kept: Vec<bool> = variables
+            .iter()
+            .zip(&symbolic)
+            .map(|(v, symbol)| self.assigned[v] == *symbol)
+            .collect();
         let (condition, returns) = self.until_left(condition, flow, left, &mut iteration);
         let results = self.called_loop(iteration, condition, span);
         let mut next = results.iter().copied();
@@ -199,8 +207,8 @@ impl Evaluator<'_> {
             let result = before[k].1.each_scalar(&mut |e| next.next().unwrap_or(e));
             self.frames.visible_mut()[k].1 = result;
         }
-        for (v, e) in variables.into_iter().zip(next) {
-            self.assigned.insert(v, e);
+        for ((v, e), is_kept) in variables.into_iter().zip(next).zip(is_kept) {
+            self.assigned.insert(v, if is_kept { outside[&v] } else { e });
         }
         let returned = if returns { results.last().copied() } else { left.returned };
         self.exits = Exits { returned, ..left };

@@ -8,7 +8,7 @@ use super::reference::{Selection, many};
 use super::value::Value;
 use crate::base::source::Span;
 use crate::ir::ast::Subscript;
-use crate::ir::expr::{Const, ExprId};
+use crate::ir::expr::{Const, ExprId, Type};
 use crate::ir::instance::Scope;
 
 /// One subscript, evaluated.
@@ -50,6 +50,26 @@ impl Evaluator<'_> {
             return Some(value);
         }
         let selectors = self.selectors(value.dims(), subscripts, scope, span)?;
+        self.apply(&value, &selectors, span)
+    }
+
+    /// Applies subscripts of a field to its values in an array of records with so many dimensions, each of which is kept
+    /// (section 10.6.1).
+    pub(super) fn subscripted_within(
+        &mut self,
+        value: Value,
+        outer: usize,
+        subscripts: &[Subscript],
+        scope: Scope,
+        span: Span,
+    ) -> Option<Value> {
+        if subscripts.is_empty() || value.elements().is_empty() {
+            return Some(value);
+        }
+        let (kept, own) = value.dims().split_at(outer);
+        let whole = kept.iter().map(|size| Selector::Many((1..=*size).collect()));
+        let mut selectors: Vec<Selector> = whole.collect();
+        selectors.extend(self.selectors(own, subscripts, scope, span)?);
         self.apply(&value, &selectors, span)
     }
 
@@ -118,7 +138,13 @@ impl Evaluator<'_> {
     ) -> Option<Selector> {
         let mut all = Vec::with_capacity(value.elements().len());
         for element in value.elements() {
-            let e = element.scalar()?;
+            let e = match element {
+                Value::Scalar(e) if !matches!(self.graph.ty(*e), Type::Real | Type::String) => *e,
+                other => {
+                    self.report_type(Expected::Subscript, other, span);
+                    return None;
+                }
+            };
             all.push(match self.structural_value(e) {
                 Some(c) => Selector::One(self.position(c, size, span)?),
                 None => {
@@ -208,6 +234,17 @@ impl Evaluator<'_> {
             }
         }
     }
+}
+
+/// The position of the only element that selectors select, if all are known.
+pub(super) fn element_position(dims: &[usize], selectors: &[Selector]) -> Option<usize> {
+    if selectors.len() != dims.len() {
+        return None;
+    }
+    selectors.iter().zip(dims).try_fold(0, |at, (selector, size)| match selector {
+        Selector::One(i) => Some(at * size + (i - 1)),
+        _ => None,
+    })
 }
 
 /// If one of the selectors selects several elements known only at run time: the sizes of the

@@ -89,6 +89,25 @@ impl Value {
         }
     }
 
+    /// The parts that subscripts of the first dimensions select, row-major; the elements if there are no further ones.
+    pub fn parts(&self, outer: usize) -> Vec<Value> {
+        let Some(own) = self.dims().get(outer..).filter(|own| !own.is_empty()) else {
+            return self.elements().to_vec();
+        };
+        let count = own.iter().product::<usize>().max(1);
+        let parts = self.elements().chunks(count);
+        parts.map(|part| Value::array(own.to_vec(), part.to_vec())).collect()
+    }
+
+    /// Replaces an element of an array, by its position; no other value changes.
+    pub fn set_element(&mut self, at: usize, element: Value) {
+        if let Value::Array(a) = self
+            && at < a.elements.len()
+        {
+            Rc::make_mut(a).elements[at] = element;
+        }
+    }
+
     /// Applies `f` to each element, keeping the sizes.
     pub fn map(&self, mut f: impl FnMut(&Value) -> Option<Value>) -> Option<Value> {
         match self {

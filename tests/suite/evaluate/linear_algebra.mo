@@ -253,3 +253,16 @@ package Roots
   end Polynomial;
 end Roots;
 //@ expect smallest, largest, sum = 1, 4, 7 rel 1e-9
+
+//@ case powers_of_matrices
+//@ run stop=1
+// The millionth power of a rotation by the time is one by a million times the time.
+model Powers
+  Real A[2, 2] = {{cos(time), -sin(time)}, {sin(time), cos(time)}};
+  Real B[2, 2] = A^1000000;
+  Real C[2, 2] = A^3;
+  Real I[2, 2] = A^0;
+end Powers;
+//@ expect B[1,1], B[2,1] = cos(1e6), sin(1e6) abs 1e-8
+//@ expect C[1,1], C[1,2] = cos(3), -sin(3) abs 1e-14
+//@ expect I[1,1], I[1,2] = 1, 0

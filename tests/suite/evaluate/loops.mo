@@ -480,3 +480,27 @@ end Nested;
 //@ expect y = 7
 //@ expect z at start = 1 + 6 + 18
 //@ expect z = 3 + 12 + 30 + 60
+
+//@ case relation_before_while
+//@ run stop=1
+// What a loop does not assign keeps its events: `x > 2.5` is a relation of the model.
+model Model
+  Real x(start = 2, fixed = true);
+  Boolean big;
+  Integer k;
+  Real s;
+algorithm
+  s := 0;
+  k := 0;
+  big := x > 2.5;
+  while s < 10 loop
+    s := s + x + 1;
+  end while;
+  if big then
+    k := 100;
+  end if;
+equation
+  der(x) = 1;
+end Model;
+//@ expect k, s = 100, 12 abs 1e-9
+//@ expect events "x > 2.5" = 1 at 0.5 abs 1e-9

@@ -82,3 +82,19 @@ end Formats;
 //@ expect known at start = 1
 //@ expect later at start = 1
 //@ expect later = 0
+
+//@ case growing_text
+// Each of the shorter texts would stay in memory, tens of gigabytes of them.
+model Growing
+  function longer
+    input Integer n;
+    output String s = "";
+  algorithm
+    for i in 1:n loop
+      //@ error[MO0331] 12-25
+      s := s + "abcdefgh";
+    end for;
+  end longer;
+  parameter String s = longer(120000);
+  Real y = time;
+end Growing;
