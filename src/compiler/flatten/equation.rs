@@ -8,6 +8,7 @@ use super::connect::Connections;
 use super::connect::written::is_graph_call;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
+use crate::classes::unsupported::Construct;
 use crate::evaluate::Evaluator;
 use crate::evaluate::assertion::{Asserted, level_of};
 use crate::evaluate::builtin::argument;
@@ -81,7 +82,11 @@ pub(super) fn expand_all(
     target: &mut Target<'_>,
 ) {
     for e in list {
-        let (_, unitless) = cx.with_unitless_literals(|cx| expand(cx, e, scope, target));
+        let (done, unitless) = cx.with_unitless_literals(|cx| expand(cx, e, scope, target));
+        // An equation is never left out without a word.
+        if done.is_none() && !cx.problems.has_errors() {
+            cx.unsupported(e.span, Construct::ThisEquation);
+        }
         if unitless {
             target.flat.unitless_literals.insert(e.span);
         }

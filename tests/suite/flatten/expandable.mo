@@ -185,3 +185,71 @@ package Buses
 end Buses;
 //@ expect z = 2
 //@ expect no column bus.ambient
+
+//@ case arrays_of_buses
+//@ run stop=1
+// A vector comes to a bus as a whole and leaves it by elements, in any order and through other buses.
+package Arrays
+  connector RealInput = input Real;
+  connector RealOutput = output Real;
+  expandable connector Bus end Bus;
+  expandable connector Middle end Middle;
+  block Ramp
+    parameter Real k = 1;
+    RealOutput y = k*time;
+  end Ramp;
+  block Ramps
+    RealOutput y[3] = {1, 2, 3}*time;
+  end Ramps;
+  block Gain
+    RealInput u;
+    Real y = 10*u;
+  end Gain;
+  block Sum
+    RealInput u[2];
+    Real y = sum(u);
+  end Sum;
+  model Writer "components, the whole first"
+    Bus bus;
+    Ramp ramp[3](k = {1, 2, 3});
+  equation
+    connect(ramp.y, bus.vector);
+  end Writer;
+  model Reader
+    Bus bus;
+    Gain gain;
+    Sum part;
+  equation
+    connect(bus.vector[2], gain.u);
+    connect(bus.vector[2:3], part.u);
+  end Reader;
+  model Elements "the elements first"
+    Bus bus;
+    Ramp ramp[3](k = {1, 2, 3});
+    Gain gain;
+  equation
+    connect(bus.vector[2], gain.u);
+    connect(ramp.y, bus.vector);
+  end Elements;
+  model Variable "a vector variable, after one of its elements"
+    Bus bus;
+    Ramps ramps;
+    Gain gain;
+  equation
+    connect(bus.vector[2], gain.u);
+    connect(ramps.y, bus.vector);
+  end Variable;
+  model All
+    Writer writer;
+    Reader reader;
+    Elements elements;
+    Variable variable;
+    Middle middle;
+  equation
+    connect(reader.bus, middle);
+    connect(writer.bus, middle);
+  end All;
+end Arrays;
+//@ expect reader.gain.y, reader.part.y = 20, 5
+//@ expect elements.gain.y, variable.gain.y = 20, 20
+//@ expect writer.bus.vector[1:3] = 1, 2, 3

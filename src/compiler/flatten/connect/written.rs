@@ -5,7 +5,10 @@
 //! Whatever the whole set of connections decides is found from this list: the variables of
 //! expandable connectors, the number of connections of a connector, the roots of a graph.
 
-use super::expandable::connection_ends::{self, ConnectionEnd, EndTarget};
+use super::expandable::connection_ends::{
+    self, ConnectionEnd, EndTarget, MissingVariable, is_assembled, is_unfilled,
+};
+use crate::base::name::Name;
 use crate::base::source::Span;
 use crate::evaluate::Evaluator;
 use crate::evaluate::frame::Frames;
@@ -125,13 +128,52 @@ pub(crate) fn pairs(
     });
     let (Some(mut left), Some(mut right)) = (left, right) else { return Vec::new() };
     let is_uneven = left.iter().zip(&right).any(|(a, b)| is_one_an_array(cx, a, b));
-    if left.len() != right.len() || is_uneven {
+    let open = [&left, &right].map(|ends| open_array(cx, ends));
+    if left.len() != right.len() || is_uneven || open.iter().flatten().next().is_some() {
         // An array of connectors, and a connector of each component of an array.
         left = elements(cx, left);
         right = elements(cx, right);
+        let (m, n) = (left.len(), right.len());
+        extend(&mut left, open[0], n);
+        extend(&mut right, open[1], m);
     }
     // `connect` itself reports wrong sizes and names.
     if left.len() == right.len() { left.into_iter().zip(right).collect() } else { Vec::new() }
+}
+
+/// The connector and the name of a variable that does not exist yet, or of an array that connections of its elements have
+/// created, if that is the only end.
+fn open_array(cx: &mut Evaluator<'_>, ends: &[ConnectionEnd]) -> Option<(InstanceId, Name)> {
+    let [ConnectionEnd { at, member }] = ends else { return None };
+    match at {
+        EndTarget::Missing(MissingVariable { bus, name, index: None }) => Some((*bus, *name)),
+        EndTarget::Instance(id) => {
+            let (bus, name, _) = (*member)?;
+            let is_open = cx.child(bus, name) == Some(*id) && is_assembled(cx, *id);
+            is_open.then_some((bus, name))
+        }
+        _ => None,
+    }
+}
+
+/// Makes a variable that does not exist yet, or an array of connected elements, as long as the array that it is connected to.
+fn extend(ends: &mut Vec<ConnectionEnd>, open: Option<(InstanceId, Name)>, count: usize) {
+    let Some((bus, name)) = open.filter(|_| ends.len() < count) else { return };
+    if matches!(ends.as_slice(), [end] if is_whole(end)) {
+        ends.clear();
+    }
+    ends.extend((ends.len()..count).map(|k| missing_element(bus, name, k)));
+}
+
+/// True for a variable that does not exist yet and is named without subscript.
+fn is_whole(end: &ConnectionEnd) -> bool {
+    matches!(end.at, EndTarget::Missing(MissingVariable { index: None, .. }))
+}
+
+/// The end that is element `k`, from 0, of an array of an expandable connector.
+fn missing_element(bus: InstanceId, name: Name, k: usize) -> ConnectionEnd {
+    let missing = MissingVariable { bus, name, index: Some(k + 1) };
+    ConnectionEnd { at: EndTarget::Missing(missing), member: Some((bus, name, Some(k))) }
 }
 
 /// Whether just one of two instances is an array.
@@ -160,7 +202,12 @@ fn elements(cx: &Evaluator<'_>, ends: Vec<ConnectionEnd>) -> Vec<ConnectionEnd> 
 fn split(cx: &Evaluator<'_>, id: InstanceId, end: &ConnectionEnd, out: &mut Vec<ConnectionEnd>) {
     match &cx.instances[id].kind {
         InstanceKind::Array { elements, .. } => {
-            elements.iter().for_each(|e| split(cx, *e, end, out));
+            for (k, e) in elements.iter().enumerate() {
+                match end.member.filter(|_| is_unfilled(cx, *e)) {
+                    Some((bus, name, _)) => out.push(missing_element(bus, name, k)),
+                    None => split(cx, *e, end, out),
+                }
+            }
         }
         InstanceKind::Variable { dims, .. } if !dims.is_empty() => {
             let scalar = ConnectionEnd { at: EndTarget::Element(id), member: end.member };

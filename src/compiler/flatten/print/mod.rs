@@ -149,17 +149,23 @@ fn reader_value(line: usize, reader: usize) -> String {
     format!("'$line{}.reader{}.value'", line + 1, reader + 1)
 }
 
+/// The enumerations of variables, and of literals that expressions name.
 fn used_enumerations(flat: &FlatModel) -> Vec<EnumId> {
+    let is_predefined = |e: EnumId| {
+        let name = &flat.graph.enumerations[e].name;
+        matches!(name.as_str(), "StateSelect" | "AssertionLevel")
+    };
+    let mut all = Vec::new();
+    flat.for_each_expression(&mut |e| all.push(e));
+    all.extend(flat.functions.iter().flat_map(|f| f.values()));
+    let of_expressions = flat.graph.postorder(all).into_iter();
+    let types = flat.variables.iter().map(|v| v.ty).chain(of_expressions.map(|e| flat.graph.ty(e)));
     let mut seen = FastSet::default();
-    let mut out = Vec::new();
-    for v in flat.variables.iter() {
-        if let Type::Enumeration(e) = v.ty
-            && !matches!(flat.graph.enumerations[e].name.as_str(), "StateSelect" | "AssertionLevel")
-            && seen.insert(e)
-        {
-            out.push(e);
-        }
-    }
+    let used = types.filter_map(|ty| match ty {
+        Type::Enumeration(e) if !is_predefined(e) && seen.insert(e) => Some(e),
+        _ => None,
+    });
+    let mut out: Vec<EnumId> = used.collect();
     out.sort();
     out
 }

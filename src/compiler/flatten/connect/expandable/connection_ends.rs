@@ -144,6 +144,16 @@ pub(crate) fn is_unfilled(cx: &Evaluator<'_>, id: InstanceId) -> bool {
     matches!(instance.kind, InstanceKind::Absent) && instance.class.is_none()
 }
 
+/// True for an array that has no declaration with a size: connections of its elements have created it.
+pub(crate) fn is_assembled(cx: &Evaluator<'_>, id: InstanceId) -> bool {
+    match &cx.instances[id].kind {
+        InstanceKind::Array { elements, .. } => {
+            cx.instances[id].class.is_none() || elements.iter().any(|e| is_unfilled(cx, *e))
+        }
+        _ => false,
+    }
+}
+
 fn missing(
     cx: &mut Evaluator<'_>,
     bus: InstanceId,
