@@ -52,8 +52,12 @@ causes! {
         error MO0912 Assertion { time: f64, text: String }
             => ("at time {time} s: {text}");
         /// The event iteration does not end.
-        error MO0913 EndlessEventIteration { time: f64, names: String }
-            => ("at time {time} s the event iteration does not end: {names} keep changing"),
+        error MO0913 EndlessEventIteration { time: f64, names: Vec<String> }
+            => (
+                "at time {time} s the event iteration does not end: {} {} changing",
+                names.join(", "),
+                if names.len() == 1 { "keeps" } else { "keep" }
+            ),
             help("break the cycle of conditions that trigger each other with `pre`");
         /// The interval of a `sample` is not positive.
         error MO0914 SampleInterval { interval: f64 } (section "3.7.5")

@@ -277,3 +277,16 @@ equation
 end Rounded;
 //@ expect x = 1 + 2 + 3
 //@ expect v, u = 3, 3
+
+//@ case shift_register
+//@ run stop=1
+// A chain of 150 variables, each of which waits for `pre` of the one before, takes as many passes of one event iteration.
+model ShiftRegister
+  Boolean b[150](each start = false, each fixed = true);
+equation
+  b[1] = time > 0.5;
+  for i in 2:150 loop
+    b[i] = pre(b[i - 1]);
+  end for;
+end ShiftRegister;
+//@ expect b[150] at 0.4, 1 = 0, 1

@@ -256,7 +256,7 @@ fn conditions_that_trigger_each_other_are_named() {
     .unwrap_err();
     assert_eq!(failure.diagnostic.code, "MO0913");
     assert!(
-        failure.diagnostic.message.contains("`b` keep changing"),
+        failure.diagnostic.message.contains("`b` keeps changing"),
         "{}",
         failure.diagnostic.message
     );

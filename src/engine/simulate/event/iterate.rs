@@ -7,6 +7,7 @@
 use crate::ir::expr::VarId;
 use crate::ir::flat::AssertionLevel;
 use crate::ir::program::{Program, Slot, Tape};
+use crate::numeric::cycle_detection::CycleDetector;
 use crate::runtime::machine::{Fault, Machine};
 
 use super::relation_search::{may_have_solution, solve_relations};
@@ -14,8 +15,16 @@ use super::relation_start;
 use super::time_events::Clocks;
 use crate::simulate::failure::assertion::message_text;
 
-/// Maximum number of event iterations at one instant.
+/// Maximum number of passes in which relations and mixed systems of equations settle.
 pub const ITERATION_LIMIT: u32 = 100;
+/// Passes of an event iteration that may be needed besides: each discrete variable may wait for `pre` of another one, so
+/// that a chain takes one pass for each of its variables.
+const MOST_CHAINED_PASSES: u32 = 2_000;
+
+/// Maximum number of event iterations at one instant.
+fn most_passes(program: &Program) -> u32 {
+    ITERATION_LIMIT + (program.layout.pre.len() as u32).min(MOST_CHAINED_PASSES)
+}
 
 /// Effects of an event iteration.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
@@ -279,7 +288,15 @@ fn iterate_with(
         }
     }
     let mut changing = Vec::new();
-    for _ in 0..ITERATION_LIMIT {
+    let mut cycle = CycleDetector::default();
+    for pass in 0..most_passes(program) {
+        // What takes that long is a chain, which never repeats, or does not end.
+        if pass >= ITERATION_LIMIT {
+            let values = program.layout.pre.iter().map(|(_, _, pre)| machine.get(*pre));
+            if cycle.repeats(&values.collect::<Vec<_>>()) {
+                break;
+            }
+        }
         let mut repeat = false;
         if strategy == Strategy::GaussSeidel {
             relaxed_pass(machine, &program.tapes.event, &program.events.lagged_event)?;

@@ -225,7 +225,7 @@ pub fn event_failure(machine: &Machine<'_>, why: EventError, t: f64) -> Failure 
                 (None, Some(k)) => dae.relations[*k as usize].origin.span,
                 _ => Span::NONE,
             };
-            let cause = RunCause::EndlessEventIteration { time: t, names: names.join(", ") };
+            let cause = RunCause::EndlessEventIteration { time: t, names };
             Failure::numerics(t, Diagnostic::new(cause, span))
         }
     }
