@@ -1,19 +1,26 @@
 within Effects;
 block ActuatorBacklash "Actuator behind a linkage with play"
-  //   y = u - h z,   w dz/dt = du/dt - |du/dt| |z|^18 z
+  //   y = u - h z,   w dz/dt = dx/dt - |dx/dt| |z|^18 z
   // With w = h what acts rests while the play of 2 h is crossed, and then follows at the distance h. With a smaller w it
-  // follows sooner. Bouc's and Wen's form of hysteresis, with a sharp corner. u must be continuous.
+  // follows sooner. Bouc's and Wen's form of hysteresis, with a sharp corner. The path x follows u with a short lag, so that
+  // u may jump.
   extends PartialActuator;
   parameter Real h = 0 "Half the play, in the unit of u";
   parameter Real w = 1 "Path after which the actuator follows, in the unit of u";
+  parameter Units.Time T_min = 1e-6 "How late the path is known";
 
+  Units.Time     t = time                   "Time";
+  Real           x                          "Path, in the unit of u";
   Units.Fraction z(start = 0, fixed = true) "Position within the play, -1 to 1";
+initial equation
+  x = u;
 equation
-  w*der(z) = der(u) - noEvent(abs(der(u)))*z^19;
+  T_min*der(x) = u - x;
+  w*der(z) = der(x) - noEvent(abs(der(x)))*z^19;
   y = u - h*z;
 
   annotation(__mocc(
-    effect   = "acts=y; amplitude=h>0; w=0.02*span(u),0.1*span(u)",
+    effect   = "acts=y; amplitude=h>0; w=0.02*span(u),0.1*span(u); T_min=1e-5*span(t)",
     law      = "y = u - h z",
     explains = "The signal %at acts behind a play."));
 end ActuatorBacklash;

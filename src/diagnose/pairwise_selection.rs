@@ -6,6 +6,7 @@
 use crate::base::index::FastSet;
 
 use super::candidate_fit::CandidateFits;
+use super::formula_fit::has_formulas;
 use super::hypothesis::Hypothesis;
 use super::linearise::{Linearisation, Linearised};
 use super::preliminary_fit::with_preliminary_fits;
@@ -99,6 +100,8 @@ pub fn pairs(
     let (mut best, mut kept) = (Vec::new(), Vec::new());
     // An instrument beside any effect explains a little of what its form leaves: half of the pairs are without one.
     let mut with_instrument = 0;
+    // A parameter that varies beside an effect follows a little of whatever that leaves as well.
+    let mut with_variation = 0;
     for Pair { members: [i, j], amplitudes, bic_gain } in all {
         let (first, second) = (&members[i], &members[j]);
         let numbers = [first.number, second.number];
@@ -107,9 +110,11 @@ pub fn pairs(
         let is_of_instrument =
             |m: &Member<'_>| study.is_of_instrument(m.scored.effect, &m.scored.place);
         let has_instrument = is_of_instrument(first) || is_of_instrument(second);
+        let has_variation = first.varies(study) || second.varies(study);
         if best.len() == most
             || numbers.iter().any(is_used_up)
             || has_instrument && with_instrument == most / 2
+            || has_variation && with_variation == most / 2
         {
             continue;
         }
@@ -125,6 +130,7 @@ pub fn pairs(
         }
         kept.push([i, j]);
         with_instrument += usize::from(has_instrument);
+        with_variation += usize::from(has_variation);
         numbers.iter().for_each(|n| used[*n] += 1);
         let per_place = study.effects[first.scored.effect].amplitudes.len();
         let (of_first, of_second) = amplitudes.split_at(first.candidates.len() * per_place);
@@ -134,6 +140,9 @@ pub fn pairs(
         search.note(&format!("  score {share:5.1} %  {a} and {b}"));
         best.push(both.into());
     }
+    // Two named effects that leave nothing end the fits.
+    let varies = |pair: &Vec<Scored>| pair.iter().any(|s| study.effects[s.effect].varies.is_some());
+    best.sort_by_key(varies);
     best
 }
 
@@ -151,6 +160,11 @@ fn feasible(linearisation: &Linearisation<'_>, batch: &[usize]) -> Vec<usize> {
 }
 
 impl Member<'_> {
+    /// True for a parameter that varies.
+    fn varies(&self, study: &Study) -> bool {
+        study.effects[self.scored.effect].varies.is_some()
+    }
+
     /// The member as part of a proposal, with the promise of the pair and its own amplitudes. Its other
     /// shapes are those that score best alone.
     fn proposal(&self, gain: f64, amplitudes: &[f64]) -> Scored {
@@ -175,6 +189,7 @@ fn scored(
         for (i, first) in members[..j].iter().enumerate() {
             if first.number == second.number
                 || first.candidates.iter().any(|c| second.candidates.contains(c))
+                || first.varies(search.study) && second.varies(search.study)
             {
                 continue;
             }
@@ -190,17 +205,21 @@ fn scored(
     pairs
 }
 
-/// The members of pairs, with all shapes, and the candidates that they consist of. Free curves
-/// and parameters that vary are left out: two of them describe anything.
+/// The members of pairs, with all shapes, and the candidates that they consist of. Free curves are left out, and all but the
+/// parameters that vary along the most promising straight lines: two of them describe anything.
 fn members<'a>(study: &Study, ranking: &'a [Scored]) -> (Vec<Candidate>, Vec<Member<'a>>) {
     let mut candidates: Vec<Candidate> = Vec::new();
-    let mut members = Vec::new();
+    let (mut members, mut variations) = (Vec::new(), 0);
     for (number, best) in ranking.iter().enumerate() {
         let effect = &study.effects[best.effect];
         // Nor does another law that the model offers have an amplitude.
-        if study.is_curve(best.effect) || effect.varies.is_some() || effect.choice.is_some() {
+        let is_left_out = study.is_curve(best.effect) || effect.choice.is_some();
+        let varies = effect.varies.is_some();
+        let is_full = variations == study.policy.pair_variations;
+        if is_left_out || varies && (is_full || !has_formulas(study, best.effect)) {
             continue;
         }
+        variations += usize::from(varies);
         for scored in std::iter::once(best).chain(&best.others) {
             let places = scored.place.members();
             // An effect that is built into a component exists once, with one shape.

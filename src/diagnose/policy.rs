@@ -170,7 +170,10 @@ pub struct SearchPolicy {
 
     /// Candidates from which pairs are formed. Default 120. The number of pairs grows with its square.
     pub pair_candidates: usize,
-    /// Pairs that are fitted, at most half of them with a sensor or an actuator. Default 8.
+    /// Of these, parameters that vary. Default 8.
+    pub pair_variations: usize,
+    /// Pairs that are fitted, at most half of them with a sensor or an actuator, and half with a parameter that varies.
+    /// Default 8.
     pub fitted_pairs: usize,
     /// Of these, pairs that share an effect at a place. Default 3.
     pub pairs_per_member: usize,
@@ -284,6 +287,7 @@ impl Default for SearchPolicy {
             instrument_share: 0.1,
             fitted_formulas: 7,
             pair_candidates: 120,
+            pair_variations: 8,
             fitted_pairs: 8,
             pairs_per_member: 3,
             swap_rounds: 3,

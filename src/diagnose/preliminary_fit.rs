@@ -35,14 +35,7 @@ pub fn with_preliminary_fits(
         return proposals;
     }
     let all: Vec<Vec<Scored>> = proposals.iter().cloned().chain(others).collect();
-    let mut candidates: Vec<Vec<Scored>> = Vec::new();
-    for p in &all {
-        let is_known = candidates.iter().any(|known| is_same(known, p) || promises_as(known, p));
-        let is_named = p.iter().all(|s| search.study.is_named(s.effect));
-        if is_named && !is_known && candidates.len() < policy.preliminary_fits {
-            candidates.push(p.clone());
-        }
-    }
+    let mut candidates = named_candidates(search.study, &all);
     let named = candidates.len();
     candidates.extend(variations(search.study, &all));
     let mut fits = PreliminaryFits::new(search, from, &candidates);
@@ -78,6 +71,31 @@ pub fn with_preliminary_fits(
     let rest: Vec<Vec<Scored>> = proposals.into_iter().filter(|p| !is_preferred(p)).collect();
     out.extend(rest);
     out
+}
+
+/// The named effects that get a preliminary fit: first those that promise most, then the best of each law that is not
+/// among these, since a law that acts in a small part of the range promises little from afar, and then further ones.
+fn named_candidates(study: &Study, all: &[Vec<Scored>]) -> Vec<Vec<Scored>> {
+    let most = study.policy.preliminary_fits;
+    let mut candidates: Vec<Vec<Scored>> = Vec::new();
+    let mut add = |until: usize, of_new_laws: bool| {
+        for p in all {
+            let is_known =
+                candidates.iter().any(|known| is_same(known, p) || promises_as(known, p));
+            let has_law = |known: &Vec<Scored>| {
+                known.len() == p.len() && known.iter().zip(p).all(|(a, b)| a.effect == b.effect)
+            };
+            let is_named = p.iter().all(|s| study.is_named(s.effect));
+            let is_wanted = !of_new_laws || !candidates.iter().any(has_law);
+            if is_named && !is_known && is_wanted && candidates.len() < until {
+                candidates.push(p.clone());
+            }
+        }
+    };
+    add(most / 2, false);
+    add(most, true);
+    add(most, false);
+    candidates
 }
 
 /// Share of the promise of a law that follows a straight line which a simpler law at its place may promise.

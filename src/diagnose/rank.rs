@@ -12,7 +12,7 @@ use super::law_choice::scored_choices;
 use super::linearise::{Linearisation, Linearised};
 use super::place::Place;
 use super::search::Search;
-use super::shape_parameters::{ranges, ranges_of, shapes};
+use super::shape_parameters::{ranges, shapes_at};
 use super::study::Study;
 
 /// An effect at a place with a shape, and its score.
@@ -331,8 +331,8 @@ fn trials(
     let mut candidates: Vec<Candidate> = Vec::new();
     let mut trials: Vec<Trial> = Vec::new();
     for (effect, place) in &all {
-        let range = |variable: &str| ranges_of(&ranges, *effect, place, variable);
-        for (number, shape) in shapes(&study.effects[*effect], range).into_iter().enumerate() {
+        let shapes = shapes_at(study, &ranges, *effect, place).unwrap_or_default();
+        for (number, shape) in shapes.into_iter().enumerate() {
             let mut own = Vec::new();
             for place in place.members() {
                 let same =

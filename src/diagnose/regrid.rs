@@ -5,7 +5,7 @@ use super::catalogue::{Amplitude, Effect};
 use super::formula::FreeCurve;
 use super::hypothesis::{ChosenEffect, Hypothesis};
 use super::search::Search;
-use super::shape_parameters::{ranges, ranges_of, shapes};
+use super::shape_parameters::{ranges, shapes_at};
 
 /// Share of the range by which its ends must move for new knots.
 const MOVED: f64 = 0.05;
@@ -22,8 +22,8 @@ pub fn regridded(search: &Search<'_>, hypothesis: &Hypothesis) -> Option<Hypothe
     if found.is_empty() {
         return None;
     }
-    let range = |variable: &str| ranges_of(&found, chosen.effect, &chosen.place, variable);
-    let shape = shapes(effect, range).into_iter().next()?;
+    let shapes = shapes_at(study, &found, chosen.effect, &chosen.place)?;
+    let shape = shapes.into_iter().next()?;
     let (old, new) = (ends(&chosen.fixed, curve)?, ends(&shape, curve)?);
     let limit = MOVED * (new.1 - new.0).abs();
     let stays = (old.0 - new.0).abs() <= limit && (old.1 - new.1).abs() <= limit;

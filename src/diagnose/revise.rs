@@ -15,6 +15,7 @@ use super::preference::{ends_with_sensor, ends_with_term, ends_with_value, ends_
 use super::rank::{Scored, rank, rank_instead};
 use super::result::Diagnosis;
 use super::search::{Search, accept};
+use super::study::Study;
 
 /// If effects leave something to explain: pairs from the fitted parameters, then each effect swapped for
 /// another beside the rest.
@@ -213,6 +214,7 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     let is_varied = ends_with_variation(search.study, &current);
     let varies = |s: &&Scored| search.study.effects[s.effect].varies.is_some();
     let mut alternatives = neighbours(search, &current);
+    alternatives.extend(over_other_variables(search, &current, first));
     let promising = ranking
         .iter()
         .filter(is_alternative)
@@ -235,7 +237,10 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         let named = is_varied && !ends_with_variation(search.study, h);
         // A wrong value of a parameter explains more plainly what a term of an equation explains as well.
         let plainer = ends_with_term(search.study, &current) && ends_with_value(search.study, h);
-        let preferred = fewer || simpler || named || plainer;
+        // A condition holds for a whole recording; a signal may only follow it.
+        let steadier =
+            is_over_condition(search.study, h) && !is_over_condition(search.study, &current);
+        let preferred = fewer || simpler || named || plainer || steadier;
         // Nor does a parameter that varies replace a named law that explains as much.
         let is_vague = !is_varied && !plainer && ends_with_variation(search.study, h);
         // A sensor is a rival, and blamed only if nothing else is.
@@ -276,6 +281,46 @@ pub fn neighbours(search: &Search<'_>, current: &Hypothesis) -> Vec<Vec<Scored>>
         vec![Scored { effect, place, shape, amplitudes, gain, validation_gain, others }]
     };
     places.into_iter().map(proposal).collect()
+}
+
+/// If parameters vary: the same parameters by the same law over conditions of the plan that promised nearly as much at first,
+/// since a signal may only follow a condition, as a pressure does the supply, and over variables that promised the same.
+fn over_other_variables(
+    search: &Search<'_>,
+    current: &Hypothesis,
+    first: &[Scored],
+) -> Vec<Vec<Scored>> {
+    let study = search.study;
+    let [own] = current.effects.as_slice() else { return Vec::new() };
+    if study.effects[own.effect].varies.is_none() {
+        return Vec::new();
+    }
+    let here = first.iter().filter(|s| s.effect == own.effect && s.place.at == own.place.at);
+    let is_own = |s: &&Scored| s.place.binds == own.place.binds;
+    let Some(known) = here.clone().find(is_own) else { return Vec::new() };
+    let is_near = |s: &&Scored| {
+        let share = if is_of_conditions(study, &s.place) { NEARLY_AS_MUCH } else { AS_MUCH };
+        !is_own(s) && s.gain > share * known.gain
+    };
+    here.filter(is_near).take(OTHER_VARIABLES).map(|s| vec![s.clone()]).collect()
+}
+
+/// Other variables over which a law is tried.
+const OTHER_VARIABLES: usize = 3;
+/// Share of the promise of a law which the same law over a variable other than a condition must promise to be tried.
+const AS_MUCH: f64 = 0.98;
+/// The same over a condition.
+const NEARLY_AS_MUCH: f64 = 0.9;
+
+/// True for a single parameter, or set of them, that varies with a condition of the plan.
+fn is_over_condition(study: &Study, hypothesis: &Hypothesis) -> bool {
+    matches!(hypothesis.effects.as_slice(), [only] if is_of_conditions(study, &only.place))
+}
+
+/// True for an effect that depends on conditions of the plan alone.
+fn is_of_conditions(study: &Study, place: &Place) -> bool {
+    let conditions = &study.variations.conditions;
+    !place.binds.is_empty() && place.binds.iter().all(|(_, over)| conditions.contains(over))
 }
 
 /// True for several effects, or a free curve.

@@ -203,11 +203,17 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     }
     widen_variation(search, &mut diagnosis);
     refine_law(search, &mut diagnosis);
-    select_again(search, &mut diagnosis);
+    let second = add_second(search, &mut diagnosis);
+    let is_one = |diagnosis: &Diagnosis| groups(&diagnosis.after.effects).count() == 1;
+    if is_one(&diagnosis) {
+        select_again(search, &mut diagnosis);
+    }
     // Beside an effect that explains nearly everything, a second one is closer at hand than a pair without it.
     let leads = search.leads(&diagnosis.before, &diagnosis.after);
     if leads {
-        forward_selection(search, &mut diagnosis, 1..usual);
+        if is_one(&diagnosis) {
+            forward_selection(search, &mut diagnosis, 1..usual);
+        }
         // Two that leave little are close to the truth, from where each of them is scored better than pairs are from afar.
         swap_effects(search, &mut diagnosis);
     }
@@ -216,9 +222,17 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     if !is_dominated {
         pairwise_selection(search, &mut diagnosis);
     }
-    let is_searched = leads && diagnosis.after.train.total() == left;
-    if groups(&diagnosis.after.effects).count() == 1 && !is_searched {
-        forward_selection(search, &mut diagnosis, 1..usual);
+    match second {
+        Some(second) if second.total_criterion() < diagnosis.after.total_criterion() => {
+            let replaced = accept(search, &mut diagnosis, second);
+            diagnosis.rejected.push(replaced);
+        }
+        _ => {
+            let is_searched = leads && diagnosis.after.train.total() == left;
+            if is_one(&diagnosis) && !is_searched {
+                forward_selection(search, &mut diagnosis, 1..usual);
+            }
+        }
     }
     if has_other_noise(search, &mut diagnosis) {
         return diagnosis;
@@ -241,6 +255,29 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     compare_siblings(search, &mut diagnosis);
     drop_worthless(search, &mut diagnosis);
     diagnosis
+}
+
+/// Adds a second effect to one that explains most of the excess but leaves much, if both together leave little. Otherwise
+/// the first one may be wrong, and so the second one: returns them, to be compared with what else is found.
+fn add_second(search: &Search<'_>, diagnosis: &mut Diagnosis) -> Option<Hypothesis> {
+    let policy = search.policy();
+    let (before, after) = (&diagnosis.before, &diagnosis.after);
+    let leaves = (after.chi2_train() - 1.0) / (before.chi2_train() - 1.0);
+    let is_done = search.leads(before, after) || after.is_resolved(policy);
+    let is_single = groups(&after.effects).count() == 1;
+    if !is_single || is_done || leaves > policy.most_share || !search.may_continue() {
+        return None;
+    }
+    let mut extended = diagnosis.clone();
+    forward_selection(search, &mut extended, 1..policy.usual_effects);
+    if groups(&extended.after.effects).count() < 2 {
+        return None;
+    }
+    if search.leads(&extended.before, &extended.after) {
+        *diagnosis = extended;
+        return None;
+    }
+    Some(extended.after)
 }
 
 /// True for a single parameter that varies along a free curve, if that leaves nothing to explain: a formula then says more

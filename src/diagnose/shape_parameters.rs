@@ -17,13 +17,42 @@ pub type Ranges = Vec<((usize, Place), String, (f64, f64))>;
 /// Effects call the time so.
 const TIME: &str = "t";
 
-/// The range if none is known.
-const UNKNOWN_RANGE: (f64, f64) = (0.0, 1.0);
-
-/// The range of a variable; from zero to one if it is not known.
-pub fn ranges_of(ranges: &Ranges, effect: usize, place: &Place, variable: &str) -> (f64, f64) {
+/// The range of a variable, if it is known.
+fn range_of(ranges: &Ranges, effect: usize, place: &Place, variable: &str) -> Option<(f64, f64)> {
     let found = ranges.iter().find(|((k, p), v, _)| *k == effect && p == place && v == variable);
-    found.map_or(UNKNOWN_RANGE, |(.., range)| *range)
+    found.map(|(.., range)| *range)
+}
+
+/// Effects call the magnitude of a quantity so, with its name.
+const MAGNITUDE: &str = "size_of_";
+
+/// Share of the greatest magnitude of a quantity which the least one must not exceed, so that the quantity matters to a law
+/// that follows its course in time.
+const HARDLY_CHANGES: f64 = 0.8;
+
+/// The shapes with which an effect is scored at a place. `None` if the range of a variable that they depend on is not known,
+/// for the model cannot be simulated with it there, or if a law that follows the course of a quantity would say no more than
+/// that time passes, since the quantity hardly changes.
+pub fn shapes_at(
+    study: &Study,
+    ranges: &Ranges,
+    effect: usize,
+    place: &Place,
+) -> Option<Vec<Vec<(String, f64)>>> {
+    let known = |v: &str| range_of(ranges, effect, place, v);
+    let parameters = &study.effects[effect].shape_parameters;
+    let mut variables = parameters.iter().flat_map(|(_, starts)| starts).flat_map(Start::variables);
+    let is_known = variables.all(|v| known(v).is_some());
+    let hardly_changes = |start: &Start| match start {
+        Start::Greatest(v) if v.starts_with(MAGNITUDE) => {
+            known(v).is_some_and(|(low, high)| low > 0.0 && low > HARDLY_CHANGES * high)
+        }
+        _ => false,
+    };
+    let mut starts = parameters.iter().flat_map(|(_, starts)| starts);
+    let says_time = study.effects[effect].follows_line && starts.any(hardly_changes);
+    (is_known && !says_time)
+        .then(|| shapes(&study.effects[effect], |v| known(v).unwrap_or_default()))
 }
 
 /// The ranges that the variables of effects cover at their places.
@@ -83,8 +112,7 @@ fn probe(
     let mut found = found.into_iter();
     for (k, place, variables) in wanted {
         for v in variables {
-            let range = found.next().unwrap_or(UNKNOWN_RANGE);
-            out.push(((*k, (*place).clone()), v.clone(), range));
+            out.extend(found.next().map(|range| ((*k, (*place).clone()), v.clone(), range)));
         }
     }
 }

@@ -78,7 +78,8 @@ pub fn summary(outcome: &Outcome, seconds: f64) -> String {
     }
     if outcome.verdict() == Verdict::Complete {
         let limit = study.policy.validation_limit(after.validation.count());
-        if after.chi2_validation() > limit {
+        // Where the plan declares another noise than there is, that of the fitted recordings is the measure.
+        if after.chi2_validation() > limit * after.chi2_train().max(1.0) {
             out.push_str("  the recordings that were never fitted are described worse\n");
         }
     }

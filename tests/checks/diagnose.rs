@@ -381,7 +381,8 @@ fn two_effects_of_one_sensor_are_found() {
 #[test]
 fn two_effects_at_once_are_found() {
     let (found, _scratch) = diagnosis_by(|_, v| -0.9 * v.abs() * v, |s| s + 0.003);
-    let effects = effects(&found);
+    let mut effects = effects(&found);
+    effects.sort_by(|a, b| a.0.cmp(&b.0));
     let [(drag, k), (offset, o)] = effects.as_slice() else { panic!("{effects:?}") };
     assert_eq!((drag.as_str(), offset.as_str()), ("Effects.QuadraticDrag", "Effects.SensorOffset"));
     assert!((k - 0.9).abs() < 0.1 && (o - 0.003).abs() < 2e-4, "{effects:?}");

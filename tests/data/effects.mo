@@ -1108,25 +1108,32 @@ package EffectTests
       // Up until 1, then down.
       Real u = if time < 1 then time else 2 - time;
       Real x(start = 0, fixed = true) "The same, as a state";
-      Effects.ActuatorHysteresis effect(h = 0.02, w = 0.1, u = x);
-      constant Real z_1 = 1 - exp(-1/0.1);
+      constant Real T = 1e-3 "Lag of the path";
+      Effects.ActuatorHysteresis effect(h = 0.02, w = 0.1, T_min = T, u = x);
+      Real path = if time < 1 then time - T*(1 - exp(-time/T)) else 2 - time + T - 2*T*exp(-(time - 1)/T);
+      constant Real peak = 1 - T*log(2) "Where the path turns, by so much later than u";
+      Real z = if time < 1 + T*log(2) then 1 - exp(-path/0.1) else -1 + (2 - exp(-peak/0.1))*exp((path - peak)/0.1);
     equation
       der(x) = if time < 1 then 1 else -1;
       found = {effect.y};
-      exact = {if time < 1 then u - 0.02*(1 - exp(-u/0.1)) else u - 0.02*(-1 + (1 + z_1)*exp(-(time - 1)/0.1))};
-      annotation(experiment(StopTime = 2, Tolerance = 1e-9));
+      exact = {u - 0.02*z};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-10));
     end ActuatorHysteresis;
 
     model ActuatorBacklash
-      extends Check;
+      extends Check(n = 2);
       Real x(start = 0, fixed = true) "A ramp, as a state";
-      Effects.ActuatorBacklash effect(h = 0.02, w = 0.1, u = x);
+      constant Real T = 1e-3 "Lag of the path";
+      Effects.ActuatorBacklash effect(h = 0.02, w = 0.1, T_min = T, u = x);
+      Real jumping = if time < 0.04 then 0 else 1 + time;
+      Effects.ActuatorBacklash behind(h = 0.02, w = 0.01, T_min = 1e-6, u = jumping);
       Real z = (x - effect.y)/0.02;
     equation
       der(x) = 1;
       // The integral of dz/(1 - z^19), as a series.
-      found = {z + z^20/20 + z^39/39 + z^58/58 + z^77/77 + z^96/96};
-      exact = {time/0.1};
+      // After a jump by much more than w, the play is crossed.
+      found = {z + z^20/20 + z^39/39 + z^58/58 + z^77/77 + z^96/96, if time < 0.06 then -0.02 else behind.y - jumping};
+      exact = {(time - T*(1 - exp(-time/T)))/0.1, -0.02};
       annotation(experiment(StopTime = 0.088, Tolerance = 1e-10));
     end ActuatorBacklash;
 
