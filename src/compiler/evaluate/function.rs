@@ -437,12 +437,7 @@ impl Evaluator<'_> {
         if let Some((binding, _)) = self.declared_value(entry, declaration) {
             super::implicit_ranges::in_expression(&binding, &mut see);
         }
-        if let Some(modification) = &declaration.component().modification {
-            for binding in super::record_modifier::bindings(modification) {
-                super::implicit_ranges::in_expression(binding, &mut see);
-            }
-        }
-        read.extend(read_by_sizes(declaration));
+        read.extend(read_before_values(declaration));
         read
     }
 
@@ -606,9 +601,16 @@ impl Evaluator<'_> {
     }
 }
 
-/// The first names of all references in the sizes of a declaration.
-pub(super) fn read_by_sizes(declaration: &Declaration) -> Vec<Name> {
+/// The first names of all references in the sizes of a declaration, and in the values that it gives to fields.
+pub(super) fn read_before_values(declaration: &Declaration) -> Vec<Name> {
     let mut read = Vec::new();
+    if let Some(modification) = &declaration.component().modification {
+        for binding in super::record_modifier::bindings(modification) {
+            super::implicit_ranges::in_expression(binding, &mut |r| {
+                read.push(r.parts[0].name.name)
+            });
+        }
+    }
     for s in declaration.component().dims.iter().chain(&declaration.clause().type_dims) {
         if let Subscript::Expr(e) = s {
             super::implicit_ranges::in_expression(e, &mut |r| read.push(r.parts[0].name.name));

@@ -62,7 +62,7 @@ impl Given {
 
 impl Evaluator<'_> {
     /// What the modifications of a record give to its fields: those of its declaration, of classes that extend the one that
-    /// holds it, and those from `outside`, which win.
+    /// holds it, and those from `outside`, which win. A value of the record as a whole is not evaluated.
     pub(super) fn given_to(
         &mut self,
         entry: &Entry,
@@ -76,15 +76,17 @@ impl Evaluator<'_> {
                 if let Some((path, inner)) = element(argument)
                     && let [only] = path
                     && only.name == entry.name.name
+                    && inner.binding.is_none()
                 {
                     let inner = self.given_by(inner, false, scope)?;
-                    given.add(Given { value: None, ..inner });
+                    given.add(inner);
                 }
             }
         }
-        if let Some(modification) = &declaration.component().modification {
-            let own = self.given_by(modification, false, self.declaration_scope(entry))?;
-            given.add(Given { value: None, ..own });
+        if let Some(modification) = &declaration.component().modification
+            && modification.binding.is_none()
+        {
+            given.add(self.given_by(modification, false, self.declaration_scope(entry))?);
         }
         Some(given)
     }

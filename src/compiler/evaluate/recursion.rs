@@ -584,7 +584,7 @@ impl Evaluator<'_> {
                 outputs.push((entry, declaration));
             }
         }
-        let read = outputs.iter().flat_map(|(e, d)| self.read_by(e, d));
+        let read = outputs.iter().flat_map(|(_, d)| super::function::read_before_values(d));
         let read = read.filter_map(position).collect();
         let given: Vec<Option<Value>> = inputs.iter().cloned().map(Some).collect();
         let mut zeros: Vec<Value> = self.with_frame(FrameKind::Function, |cx| {

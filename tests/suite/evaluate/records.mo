@@ -144,3 +144,32 @@ model M
   Integer i = Integer(if time > 0.5 then E.c else E.b);
 end M;
 //@ expect i at 0.4, 1 = 2, 3
+
+//@ case recursive_record_output
+//@ run stop=1
+// The depth is known at run time only. The first value of a field reads an input.
+package P
+  record R Real a; Real b; end R;
+  function down
+    input Integer n;
+    input Real x;
+    output R r(b = 3*x);
+  algorithm
+    if n > 0 then
+      r := down(n - 1, x);
+      r.a := r.a + 1;
+    else
+      r.a := x;
+    end if;
+  end down;
+  model M
+    discrete Integer n(start = 3, fixed = true);
+    R r;
+  equation
+    when time > 0.5 then
+      n = 5;
+    end when;
+    r = down(n, 10*time);
+  end M;
+end P;
+//@ expect r.a, r.b at 1 = 10 + 5, 30
