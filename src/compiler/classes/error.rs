@@ -130,6 +130,14 @@ impl ClassGraph<'_> {
         self.problems.push(Diagnostic::new(cause, part.span).label("not found"));
     }
 
+    /// Refuses the modification of an element that is a package or a function: calls and constants do not see it.
+    pub(crate) fn refuse_modified_class(&mut self, entry: &Entry, span: Span) {
+        let ast::ElementKind::Class(class) = &entry.element.kind else { return };
+        if matches!(class.kind, ast::ClassKind::Package | ast::ClassKind::Function { .. }) {
+            self.unsupported(span, Construct::ModifiedClass);
+        }
+    }
+
     pub(crate) fn report_unknown_modifier(
         &mut self,
         class: Option<ClassId>,

@@ -556,8 +556,12 @@ impl ClassGraph<'_> {
                     ast::ArgumentKind::Removal(_) => Vec::new(),
                 };
                 for (text, span) in names {
-                    if !inherited.index.contains_key(&text) {
-                        self.report_unknown_modifier(Some(base), text, span, &inherited);
+                    match inherited.index.get(&text).map(|at| &inherited.entries[*at]) {
+                        Some(entry) if matches!(arg.kind, ast::ArgumentKind::Element { .. }) => {
+                            self.refuse_modified_class(entry, span);
+                        }
+                        Some(_) => {}
+                        None => self.report_unknown_modifier(Some(base), text, span, &inherited),
                     }
                 }
             }

@@ -19,6 +19,7 @@ pub enum Construct {
     GrowingArray,
     HistoryInLoop,
     IteratorWithoutRange,
+    ModifiedClass,
     NamedStringArguments,
     RedeclaredField,
     SecondDerivative,
@@ -49,6 +50,7 @@ impl fmt::Display for Construct {
                 "`delay` or `spatialDistribution` of a value that changes in a loop whose trip count is known only at run time"
             }
             Construct::IteratorWithoutRange => "iterators without a range",
+            Construct::ModifiedClass => "modifications of local packages and functions",
             Construct::NamedStringArguments => {
                 "named arguments of `String` for an operator record"
             }
@@ -72,6 +74,9 @@ fn without(construct: Construct) -> String {
     match construct {
         Construct::SecondDerivative => {
             "give the first derivative a name, as in `v = der(x)`, and write `der(v)`"
+        }
+        Construct::ModifiedClass => {
+            "redeclare it with the modifications, as in `redeclare package Medium = Air(T_0 = 300)`"
         }
         _ => "write it another way for now; docs/language.md lists the supported constructs",
     }

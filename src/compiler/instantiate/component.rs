@@ -317,39 +317,49 @@ fn child_instance(
     let own = Scope { instance: parent, class: entry.class };
     let mut layers = Vec::new();
     let outer = cx.instances[parent].layers.clone();
-    for layer in outer.iter() {
-        layer.child(wanted, &mut layers);
-    }
+    let inherited: Vec<Layer> = entry
+        .layers
+        .iter()
+        .map(|(modification, class)| Layer {
+            source: LayerSource::Whole(modification.clone()),
+            scope: cx.modification_scope(*class, parent),
+            subscripts: cx.no_sizes.clone(),
+        })
+        .collect();
     let mut scope = own;
     let mut declared = declaration.clone();
     // In a chain of redeclarations the outermost one counts; the others contribute their
     // constraining clauses.
     let mut replaced = false;
-    for Replacement { declaration: replacement, scope: at, subscripts } in
-        component_redeclarations(cx, &outer, entry, parent, wanted)
-    {
-        let constraint = constraint(&replacement.element).cloned();
-        if !replaced || constraint.is_none() {
-            let modification = replacement.component().modification.as_ref();
-            push_whole(&mut layers, modification, at, &subscripts);
-        }
-        if let Some(constraint) = constraint {
-            push_whole(&mut layers, constraint.modification.as_ref(), at, &subscripts);
-        }
-        if !replaced {
-            replaced = true;
-            scope = at;
-            declared = replacement;
-            let before = &declaration.element;
-            if (before.inner, before.outer) != (declared.element.inner, declared.element.outer) {
-                // Parts that the redeclaration omits stay as they were (section 7.3).
-                let element = Rc::make_mut(&mut declared.element);
-                element.inner |= before.inner;
-                element.outer |= before.outer;
+    for layer in outer.iter().chain(&inherited) {
+        layer.child(wanted, &mut layers);
+        for (element, component, subscripts) in layer.component_redeclarations(wanted) {
+            let element = Rc::new((**element).clone());
+            let replacement = Declaration { element, component };
+            let constraint = constraint(&replacement.element).cloned();
+            if !replaced || constraint.is_none() {
+                let modification = replacement.component().modification.as_ref();
+                push_whole(&mut layers, modification, layer.scope, &subscripts);
+            }
+            if let Some(constraint) = constraint {
+                let modification = constraint.modification.as_ref();
+                push_whole(&mut layers, modification, layer.scope, &subscripts);
+            }
+            if !replaced {
+                replaced = true;
+                scope = layer.scope;
+                declared = replacement;
+                let before = &declaration.element;
+                if (before.inner, before.outer) != (declared.element.inner, declared.element.outer)
+                {
+                    // Parts that the redeclaration omits stay as they were (section 7.3).
+                    let element = Rc::make_mut(&mut declared.element);
+                    element.inner |= before.inner;
+                    element.outer |= before.outer;
+                }
             }
         }
     }
-    cx.inherited_layers(&entry.layers, parent, wanted, &mut layers);
     // The modifications of the original declaration also hold for a replacement (section 7.3.2),
     // unless a constraining clause has its own.
     let constraint = constraint(&declaration.element);
@@ -398,39 +408,6 @@ fn push_whole(
 /// The list of an instance, which is empty for most.
 fn listed(cx: &Evaluator<'_>, layers: Vec<Layer>) -> Rc<[Layer]> {
     if layers.is_empty() { cx.no_layers.clone() } else { layers.into() }
-}
-
-/// `redeclare T name(...)`.
-struct Replacement {
-    declaration: Declaration,
-    /// Where its names are looked up.
-    scope: Scope,
-    /// To be applied to its bindings, in an array of components.
-    subscripts: Rc<[usize]>,
-}
-
-/// `redeclare T name(...)` in the modifications of the parent, outermost first.
-fn component_redeclarations(
-    cx: &Evaluator<'_>,
-    outer: &[Layer],
-    entry: &Entry,
-    parent: InstanceId,
-    wanted: Name,
-) -> Vec<Replacement> {
-    let inherited = entry.layers.iter().map(|(m, class)| Layer {
-        source: LayerSource::Whole(m.clone()),
-        scope: cx.modification_scope(*class, parent),
-        subscripts: Rc::from([]),
-    });
-    let mut found = Vec::new();
-    for layer in outer.iter().cloned().chain(inherited) {
-        for (element, component, subscripts) in layer.component_redeclarations(wanted) {
-            let element = Rc::new((**element).clone());
-            let declaration = Declaration { element, component };
-            found.push(Replacement { declaration, scope: layer.scope, subscripts });
-        }
-    }
-    found
 }
 
 /// Classes redeclared by the modifications of a component, outermost first.
@@ -513,13 +490,16 @@ fn check_modified_names(cx: &mut Evaluator<'_>, id: InstanceId, table: &ClassTab
         {
             s.used.set(true);
         }
+        let modified = layer.modified_names().map(|(text, span)| (text, span, true));
         let redeclared = layer.redeclarations().flat_map(|(e, _)| e.names());
-        for (text, span) in layer.modified_names().chain(redeclared) {
+        let redeclared = redeclared.map(|(text, span)| (text, span, false));
+        for (text, span, is_modified) in modified.chain(redeclared) {
             match table.index.get(&text).map(|at| &table.entries[*at]) {
                 Some(entry) if entry.protected => {
                     let part = ast::Ident { name: text, span };
                     cx.report_protected(part, entry.name.span);
                 }
+                Some(entry) if is_modified => cx.refuse_modified_class(entry, span),
                 Some(_) => {}
                 None => {
                     let class = cx.instances[id].class;

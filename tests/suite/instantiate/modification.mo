@@ -179,3 +179,32 @@ equation
 end Beyond;
 //@ error[MO0241] nowhere
 //@ status 2
+
+//@ case a_package_or_function_is_redeclared
+// Calls and constants do not see modifications of local packages and functions.
+package Shop
+  package Air
+    constant Real c = 1;
+  end Air;
+  model Machine
+    replaceable package Medium = Air;
+    function gain
+      input Real x;
+      input Real k = 2;
+      output Real y = k*x;
+    end gain;
+    Real z = Medium.c + gain(3);
+  end Machine;
+  model Derived
+    //@ error[MO0200] 21-26
+    extends Machine(Medium(c = 5));
+  end Derived;
+  model Top
+    //@ error[MO0200] 15-20
+    Machine a(Medium(c = 5));
+    //@ error[MO0200] 15-18
+    Machine b(gain(k = 5));
+    Machine c(redeclare package Medium = Air(c = 7));
+    Derived d;
+  end Top;
+end Shop;

@@ -410,3 +410,36 @@ package Media
   end Top;
 end Media;
 //@ expect tank.d = 8
+
+//@ case the_outermost_modification_counts
+// Whether it redeclares or not, and whether the others do.
+package Layers
+  model Part
+    parameter Real p = 1;
+    parameter Real q = 1;
+    Real y = p + 10*q;
+  end Part;
+  model Plain
+    replaceable Part a;
+  end Plain;
+  model Redeclared
+    extends Plain(redeclare replaceable Part a(p = 5));
+  end Redeclared;
+  model Modified
+    extends Redeclared(a(p = 15));
+  end Modified;
+  model Short = Redeclared(a(p = 16));
+  model Around
+    Redeclared m(a(q = 3));
+    Plain n(a(p = 15));
+  end Around;
+  model Top
+    extends Redeclared(a(p = 17, q = 2));
+    Modified modified;
+    Short short;
+    Redeclared direct(a(p = 18));
+    Around around(m(redeclare Part a(p = 7)), n(redeclare Part a(p = 8)));
+  end Top;
+end Layers;
+//@ expect a.y, modified.a.y, short.a.y, direct.a.y = 37, 25, 26, 28
+//@ expect around.m.a.y, around.n.a.y = 37, 18
