@@ -253,8 +253,11 @@ impl Evaluator<'_> {
         let unitless = std::mem::take(&mut self.units.unitless_literal);
         let active = symbols[0];
         let run = |cx: &mut Self| {
-            cx.unconditionally(|cx| {
-                cx.under(active, |cx| cx.execute(class, components, inputs, false, span))
+            // How the caller gets here is no matter of the body, which other calls share.
+            cx.with_exits_closed(|cx| {
+                cx.unconditionally(|cx| {
+                    cx.under(active, |cx| cx.execute(class, components, inputs, false, span))
+                })
             })
         };
         let ((value, asserts), problems) = self

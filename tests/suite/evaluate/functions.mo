@@ -437,3 +437,40 @@ algorithm
   //@ error[MO1221] 3-8
   r := s;
 end Lacks;
+
+//@ case a_call_after_a_return
+// What leads to a call is no part of the function, which other calls share.
+model Calls
+  function last
+    input Real u[:];
+    input Integer m;
+    output Real w[size(u, 1)];
+  protected
+    Real q[size(u, 1), 2];
+  algorithm
+    q := [u, 2*u];
+    w := u;
+    w[end] := q[1 + mod(m, size(q, 1)), 2];
+  end last;
+  function guarded
+    input Real x;
+    input Real u[:];
+    input Integer m;
+    output Real y;
+  protected
+    Real v[3];
+  algorithm
+    y := 0;
+    if x >= u[1 + mod(m, 2)] then
+      return;
+    end if;
+    v := last({1, 2, x}, m);
+    y := v[3];
+  end guarded;
+  Integer m = if time > 0.5 then 2 else 1;
+  Real y = guarded(2*time, {1.5, 1.25}, m);
+  Real z = sum(last({time, 2, 3}, m));
+  annotation(experiment(StopTime = 1));
+end Calls;
+//@ expect y at 0.25, 0.6, 0.7, 0.9 = 4, 2.4, 2.8, 0 abs 1e-12
+//@ expect z at 0.25, 0.75 = 0.25 + 2 + 4, 0.75 + 2 + 6
