@@ -386,3 +386,26 @@ equation
   annotation(experiment(StartTime = 1e6, StopTime = 1000001));
 end Late;
 //@ expect n = 50
+
+//@ case an_argument_that_jumps
+// The argument of a sine that jumps at an event is no oscillation that a grid of a million points resolves.
+model Jump
+  function switched
+    input Real x;
+    input Integer n;
+    output Real w[3];
+  protected
+    Real b;
+  algorithm
+    w := {1, 2, 3};
+    b := abs(sin(if x > 1 then n else x));
+    if b > 0.1 then
+      w[1 + mod(n, 3)] := x;
+    end if;
+  end switched;
+  Integer n = integer(4.01*time) + 3;
+  Real w[3] = switched(2*time, n);
+  annotation(experiment(StopTime = 1));
+end Jump;
+//@ expect w[1] at 0.25, 0.9 = 1, 1.8
+//@ expect w[2] at 0.25, 0.9 = 0.5, 2

@@ -57,9 +57,10 @@ impl<'p> Look<'p> {
         let spacing = (stop - start) / intervals as f64;
         // Between points that are too close, operands differ by rounding.
         let is_resolved = spacing > RESOLVED * start.abs().max(stop.abs());
-        // The values at the last three points of the grid, and the operands at the last.
+        // The values at the last three points of the grid, the operands at the last, and their changes up to it.
         let mut rows = [vec![0.0; width], vec![0.0; width], vec![0.0; width]];
         let mut operands = vec![0.0; self.code.len()];
+        let mut changes = vec![f64::INFINITY; self.code.len()];
         for k in 0..=intervals {
             self.evaluate(at(k));
             rows.rotate_left(1);
@@ -69,7 +70,12 @@ impl<'p> Look<'p> {
             for (n, i) in self.code.iter().enumerate() {
                 let operand = self.memory[i.a as usize];
                 if k > 0 && is_resolved {
-                    self.rates[n] = self.rates[n].max((operand - operands[n]).abs() / spacing);
+                    let change = (operand - operands[n]).abs();
+                    // A jump changes an operand once: on a finer grid it would be faster without end.
+                    if k > 1 || intervals == 1 {
+                        self.rates[n] = self.rates[n].max(change.min(changes[n]) / spacing);
+                    }
+                    changes[n] = change;
                 }
                 operands[n] = operand;
             }
