@@ -6,6 +6,9 @@ use super::quantity;
 use crate::base::diag::{Diagnostic, Problems};
 use crate::ir::flat::FlatModel;
 
+/// Attributes of a variable that are in its unit.
+const IN_UNIT_OF_VARIABLE: [&str; 4] = ["start", "min", "max", "nominal"];
+
 impl Session {
     /// Warns of units that do not match in the sources that the user has named. Those of libraries
     /// are the business of `mocc check`.
@@ -38,9 +41,13 @@ impl Session {
     ) -> Vec<(usize, String)> {
         let mut converted = Vec::new();
         for (at, given) in quantities {
-            let Some(variable) = flat.variables.iter().find(|v| v.name == given.name) else {
-                continue;
+            let named = |name: &str| flat.variables.iter().find(|v| v.name == name);
+            // An attribute of these is in the unit of its variable.
+            let of_attribute = || {
+                let (variable, attribute) = given.name.rsplit_once('.')?;
+                named(variable).filter(|_| IN_UNIT_OF_VARIABLE.contains(&attribute))
             };
+            let Some(variable) = named(&given.name).or_else(of_attribute) else { continue };
             let value = given.quantity.in_unit(&variable.unit);
             if let Some(value) = value {
                 if value != given.quantity.value {

@@ -664,6 +664,7 @@ fn values_are_converted_to_the_units_of_declarations() {
     };
     assert_eq!(first(&["--set", "T_0=30 degC"])[1], "30.0");
     assert_eq!(first(&["--set", "T_0=300 K"])[1], "26.85");
+    assert_eq!(first(&["--set", "T.start=300 K"])[1], "26.85");
     assert_eq!(first(&["--set", "n=120 rpm"]).last().map(String::as_str), Some("12.0"));
     // The value is that of a size, too.
     assert_eq!(first(&["--set", "p_0=3e5 Pa"])[2..5], ["3.0", "3.0", "3.0"]);
@@ -672,6 +673,7 @@ fn values_are_converted_to_the_units_of_declarations() {
     for (wrong, said) in [
         (["--set", "n=2 Hz"], "cannot convert `Hz` to `rpm`"),
         (["--set", "T_0=2 bar"], "cannot convert `bar` to `degC`"),
+        (["--set", "T.start=2 bar"], "cannot convert `bar` to `degC`, the unit of `T.start`"),
         (["--unit", "w=Hz"], "`w` is in `rad/s`, which `Hz` does not measure"),
     ] {
         let ended = mocc(path, &[&["simulate", "warm.mo"][..], &wrong].concat());
