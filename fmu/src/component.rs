@@ -58,6 +58,8 @@ pub struct Component {
     pub reached: f64,
     /// The model ended the run.
     pub ended: bool,
+    /// The importer accepts that a step ends early.
+    may_return_early: bool,
 }
 
 /// Text for C: without zeros inside.
@@ -122,12 +124,19 @@ impl Logger {
     }
 }
 
+impl Component {
+    /// Whether to say that a step has ended early, before its end.
+    pub fn returns_early(&self, end: f64) -> bool {
+        self.may_return_early && self.reached < end
+    }
+}
+
 /// A new instance as a pointer; null, with a message, if there is none.
 pub fn instantiate(
     name: *const c_char,
     token: *const c_char,
     resources: Option<PathBuf>,
-    kind: Kind,
+    (kind, may_return_early): (Kind, bool),
     logger: Logger,
     logging: bool,
 ) -> *mut c_void {
@@ -146,6 +155,7 @@ pub fn instantiate(
             strings: Vec::new(),
             reached: 0.0,
             ended: false,
+            may_return_early,
         })
     }));
     let why = match made {

@@ -89,7 +89,7 @@ pub extern "C" fn fmi2Instantiate(
         _ => Logger::Silent,
     };
     let kind = if kind == 0 { Kind::Exchange } else { Kind::Stepping { events: false } };
-    instantiate(name, token, folder(resources), kind, logger, logging != 0)
+    instantiate(name, token, folder(resources), (kind, false), logger, logging != 0)
 }
 
 /// Frees an instance.

@@ -95,7 +95,7 @@ pub extern "C" fn fmi3InstantiateModelExchange(
     log: Option<Logger3>,
 ) -> *mut c_void {
     let log = logger(log, environment);
-    instantiate(name, token, folder(resources), Kind::Exchange, log, logging)
+    instantiate(name, token, folder(resources), (Kind::Exchange, false), log, logging)
 }
 
 /// A new instance for Co-Simulation.
@@ -117,7 +117,7 @@ pub extern "C" fn fmi3InstantiateCoSimulation(
     let log = logger(log, environment);
     // Without early return a step cannot end at an event within it.
     let kind = Kind::Stepping { events: events && early_return };
-    instantiate(name, token, folder(resources), kind, log, logging)
+    instantiate(name, token, folder(resources), (kind, early_return), log, logging)
 }
 
 /// Scheduled Execution is not offered.
@@ -369,7 +369,8 @@ functions! {
         component.reached = at;
         put(event, is_event);
         put(terminate, ended);
-        put(early, at < from + size);
+        // A model that has ended says so in any case.
+        put(early, component.returns_early(from + size));
         put(reached, at);
         Ok(())
     });

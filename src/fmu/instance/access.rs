@@ -63,6 +63,15 @@ impl Instance<'_> {
         if !value.is_finite() {
             return Err(Refusal::of(format!("`{name}` cannot be {value}")));
         }
+        let dae = &self.program.blocks.dae;
+        if let Type::Enumeration(of) = dae.variables[v].ty {
+            let count = dae.graph.enumerations[of].literals.len();
+            if !(1.0..=count as f64).contains(&value) {
+                let text =
+                    format!("`{name}` cannot be {value}: its type has the literals 1 to {count}");
+                return Err(Refusal::of(text));
+            }
+        }
         if let Some(input) = self.inputs.iter_mut().find(|input| input.variable == v) {
             if input.value != Some(value) {
                 input.value = Some(value);

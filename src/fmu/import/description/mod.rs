@@ -247,6 +247,7 @@ fn scalars(
     };
     let attribute = |key: &str| types.attribute(typed, key);
     let bound = |key: &str| attribute(key).and_then(literal);
+    let (least, most) = passing.bounds().unzip();
     let text = |key: &str| attribute(key).unwrap_or_default().to_owned();
     let description = e.attribute("description").unwrap_or_default();
     let mut names = vec![(name, description)];
@@ -269,7 +270,7 @@ fn scalars(
                 unit: text("unit"),
                 display_unit: text("displayUnit"),
                 description: description.to_owned(),
-                range: (bound("min"), bound("max")),
+                range: (bound("min").or(least), bound("max").or(most)),
             });
         }
     }

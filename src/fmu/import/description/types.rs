@@ -48,6 +48,24 @@ impl Passing {
         Passing::UInt64,
         Passing::Boolean,
     ];
+
+    /// The least and the greatest whole number that can be passed so; `None` for other types, and for Integers as those of
+    /// Modelica.
+    pub fn bounds(self) -> Option<(f64, f64)> {
+        let signed = |bits: i32| (-2.0_f64.powi(bits - 1), 2.0_f64.powi(bits - 1) - 1.0);
+        let unsigned = |bits: i32| (0.0, 2.0_f64.powi(bits) - 1.0);
+        Some(match self {
+            Passing::Int8 => signed(8),
+            Passing::UInt8 => unsigned(8),
+            Passing::Int16 => signed(16),
+            Passing::UInt16 => unsigned(16),
+            Passing::UInt32 => unsigned(32),
+            // Beyond this, doubles are not whole numbers.
+            Passing::UInt64 => unsigned(53),
+            Passing::Int32 | Passing::Int64 => return None,
+            Passing::Float64 | Passing::Float32 | Passing::Boolean => return None,
+        })
+    }
 }
 
 /// The way in which the variables of an element are passed; `None` for text, binaries and clocks.
