@@ -29,6 +29,10 @@ causes! {
         error MO1106 TakenName { name: String }
             => ("the measure `{name}` has the name of a variable of the model"),
             help("give it another name, such as `{name}_1 = ...`");
+        /// A measure has the name of a column of a sweep.
+        error MO1107 ColumnOfSweep { name: String }
+            => ("the measure `{name}` has the name of a column that the table of a sweep has anyway"),
+            help("give it another name, such as `{name}_1 = ...`");
         /// The right side of a measure cannot be parsed.
         error MO1120 NotAnExpression { measure: String }
             => ("the measure `{measure}` is not an expression"),

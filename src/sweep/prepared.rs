@@ -1,12 +1,15 @@
 //! A sweep with everything that it owns: compiled, checked, and identified by a fingerprint.
 
 use super::design::Design;
-use super::runs::Sweep;
+use super::runs::{FIXED_COLUMNS, Sweep};
 use super::variant::{Model, Variants};
+use crate::base::diag::Diagnostic;
+use crate::base::source::Span;
 use crate::driver::compile::{CompileError, Session};
 use crate::io::journal::Fingerprint;
 use crate::ir::flat::Experiment;
 use crate::ir::trajectory::Column;
+use crate::measure::error::MeasureCause;
 use crate::simulate::settings::Settings;
 
 /// A sweep that any number of processes may take part in.
@@ -50,6 +53,13 @@ impl Prepared {
         fingerprint.add(what);
         let name = base.program.blocks.dae.name.clone();
         let (measures, shown) = (base.plan.columns.clone(), base.plan.shown);
+        for measure in measures.iter().filter(|m| FIXED_COLUMNS.contains(&m.name.as_str())) {
+            let cause = MeasureCause::ColumnOfSweep { name: measure.name.clone() };
+            session.problems.push(Diagnostic::new(cause, Span::NONE));
+        }
+        if session.problems.has_errors() {
+            return Err(CompileError::Request);
+        }
         base.sources = std::mem::take(&mut session.sources);
         let variants = Variants::new(model, base, &design.axes, design.count);
         *session = Session { parameters_vary: true, ..Session::default() };

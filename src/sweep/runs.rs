@@ -59,6 +59,9 @@ pub struct Tally {
     pub first: Option<(i64, String)>,
 }
 
+/// The columns that every table has, beside those of what varies and of measures.
+pub const FIXED_COLUMNS: [&str; 5] = ["run", "status", "error", "steps", "events"];
+
 impl Sweep<'_> {
     /// The columns of the table.
     pub fn fields(&self) -> Vec<Field> {
@@ -68,7 +71,8 @@ impl Sweep<'_> {
             unit: unit.to_owned(),
             description: description.to_owned(),
         };
-        let mut all = vec![field("run", Type::Integer, "", "Number of the run, from 1")];
+        let [run, status, error, steps, events] = FIXED_COLUMNS;
+        let mut all = vec![field(run, Type::Integer, "", "Number of the run, from 1")];
         for (k, axis) in self.design.axes.iter().enumerate() {
             let ty = if axis.is_numeric() { Type::Real } else { Type::Text };
             all.push(field(&axis.name, ty, &self.variants.unit(k), "varied"));
@@ -76,10 +80,10 @@ impl Sweep<'_> {
         for m in &self.measures {
             all.push(field(&m.name, Type::Real, &m.unit, &m.description));
         }
-        all.push(field("status", Type::Text, "", "ok or failed"));
-        all.push(field("error", Type::Text, "", "Why it failed"));
-        all.push(field("steps", Type::Integer, "", "Steps of the integrator"));
-        all.push(field("events", Type::Integer, "", "Events"));
+        all.push(field(status, Type::Text, "", "ok or failed"));
+        all.push(field(error, Type::Text, "", "Why it failed"));
+        all.push(field(steps, Type::Integer, "", "Steps of the integrator"));
+        all.push(field(events, Type::Integer, "", "Events"));
         all
     }
 
