@@ -132,6 +132,7 @@ def diagnose(
     recordings: list[_Frame],
     folder: str | None,
     effects: str | None,
+    only: list[str],
     time_limit: float | None,
     progress: Callable[[str], object] | None,
     spread: Callable[[bytes, list[bytes]], list[bytes | None]] | None,

@@ -127,12 +127,13 @@ class Result:
     def to_pandas(self) -> pandas.DataFrame:
         """A DataFrame with the variables as columns and `time` as its index, s.
 
-        `df.attrs["units"]` maps names to units. Errors: `ImportError` without pandas.
+        `df.attrs["units"]` maps names to units. The frame is a copy, so it may be changed. Errors: `ImportError` without
+        pandas.
         """
         import pandas
 
         data = {column.name: self._values(k) for k, column in enumerate(self.columns)}
-        frame = pandas.DataFrame(data, index=pandas.Index(self.time, name="time"), copy=False)
+        frame = pandas.DataFrame(data, index=pandas.Index(self.time, name="time", copy=True), copy=True)
         frame.attrs = {"model": self.name, "units": {c.name: c.unit for c in self.columns}}
         return frame
 

@@ -22,7 +22,7 @@ from mocc._bundle import Folders, beside, check_executor, check_travels
 from mocc._bundle import packed as packed_folders
 from mocc._cluster import Bundle, Fits, Spreader, Task, Team
 from mocc._errors import ModelWarning, RequestError
-from mocc._frames import Numbers, columns_of, finite, numbers, packed, view
+from mocc._frames import Numbers, columns_of, finite, in_seconds, packed, readings, view
 from mocc._model import Model, _number, source_of
 from mocc._progress import Bar, Progress
 
@@ -204,7 +204,7 @@ def calibrate(
     table: Any | None = None,
     folder: str | PathLike[str] | None = None,
     profiles: bool = True,
-    starts: int = 1,
+    starts: int | Mapping[str, Any] = 1,
     seed: int = 1,
     executor: Executor | None = None,
     progress: Progress | bool | None = None,
@@ -217,10 +217,11 @@ def calibrate(
     `free`, `fixed`, `inputs`, `starts`, `conditions`, `recordings`, `window`, `skip`, `every`. `model` is a file, a text,
     or a `Model`.
     `data` maps names to tables in memory: recordings that take the place of files of these names. Without `recordings`
-    and `table`, each of them is a training recording. NaN marks values that were not measured. `table` takes the place of
+    and `table`, each of them is a training recording. NaN marks values that were not measured, and so does a mask; times may
+    be durations or dates. `table` takes the place of
     the plan's table of recordings, and `folder` is that of files.
     `profiles=False` takes confidence intervals from standard errors alone, which is faster.
-    With `starts`, so many fits begin at different points: the first where the plan starts, the others in a Latin hypercube
+    With a number as `starts`, so many fits begin at different points: the first where the plan starts, the others in a Latin hypercube
     over the parameters that have a `min` and a `max`, which `seed` decides; the best one counts.
     `executor` is any `concurrent.futures.Executor`, whose workers do the fits from these starts, and the runs of the
     recordings and their derivatives; the result is the same.
@@ -232,6 +233,9 @@ def calibrate(
     `SimulationError` if the model cannot be simulated at the start. Ctrl-C raises `KeyboardInterrupt`.
     """
     check_executor(executor)
+    if isinstance(starts, Mapping):
+        # The entry of the plan, which has the same name.
+        keys, starts = {**keys, "starts": starts}, 1
     if starts < 1:
         raise RequestError(f"`starts` is {starts}; it is the number of fits")
     fmus = _allowed(allow_fmu, plan, keys)
@@ -253,6 +257,7 @@ def diagnose(
     table: Any | None = None,
     folder: str | PathLike[str] | None = None,
     effects: str | PathLike[str] | None = None,
+    only: str | Sequence[str] = (),
     time_limit: float | None = None,
     executor: Executor | None = None,
     progress: Progress | bool | None = None,
@@ -261,7 +266,8 @@ def diagnose(
 ) -> Diagnosis:
     """Finds the physical effects that a model lacks, from recordings.
 
-    `effects` is a folder with further effects, in addition to the shipped ones. `time_limit`, s, ends the search with the
+    `effects` is a folder with further effects, in addition to the shipped ones. `only` names the effects among which to
+    search, `parameter` for parameters that vary; all of them if it is empty. `time_limit`, s, ends the search with the
     best verdict so far. The other arguments, and the errors, are those of `calibrate`.
     """
     check_executor(executor)
@@ -271,8 +277,8 @@ def diagnose(
     study = _study(plan, data, table, folder, keys)
     own = None if effects is None else fspath(effects)
     with _told(progress) as tell, _elsewhere(study, own, executor) as spread:
-        found = _mocc.diagnose(*study, effects=own, time_limit=time_limit, progress=tell, spread=spread,
-                               allow_fmu=fmus)
+        found = _mocc.diagnose(*study, effects=own, only=[only] if isinstance(only, str) else list(only),
+                               time_limit=time_limit, progress=tell, spread=spread, allow_fmu=fmus)
     _warn(found[4])
     return Diagnosis(found)
 
@@ -359,6 +365,14 @@ def _from_best_start(study: Study, starts: int, seed: int, executor: Executor | 
     return path, toml({**plan, "free": moved}), model, table, recordings, folder
 
 
+def _known(path: str) -> dict[str, Any]:
+    """The entries of a plan file; none if it cannot be read, which the engine reports."""
+    try:
+        return tomllib.loads(_read(path))
+    except (RequestError, tomllib.TOMLDecodeError):
+        return {}
+
+
 def _read(path: str) -> str:
     try:
         with open(path, encoding="utf-8") as file:
@@ -381,20 +395,41 @@ def _study(plan: Any, data: Mapping[str, Any] | None, table: Any, folder: Any,
         if keys:
             raise RequestError(f"`{next(iter(keys))}` belongs into the plan file; give either a file or keys")
         path = fspath(plan)
+        if recordings:
+            _check_durations(_known(path), data or {})
     else:
         given = {**(plan or {}), **keys}
+        _check_durations(given, data or {})
         if not given:
             raise RequestError("give a plan file, or the keys of a plan such as `model`, `signals` and `free`")
         if not recordings and rows is None and not {"recordings", "data"} & given.keys():
             raise RequestError("`data` is missing; map names of recordings to tables, or name files in `recordings`")
         model = _model(given)
-        given.setdefault("data", {"folder": "." if folder is None else fspath(folder)})
+        given["data"] = {"folder": "." if folder is None else fspath(folder), **given.get("data", {})}
+        if rows is not None and "file" in rows[0]:
+            given["data"].setdefault("file", "file")
         if "recordings" not in given and rows is None and "table" not in given["data"]:
             given["recordings"] = [{"file": name} for name, _ in recordings]
+        elif "recordings" in given and rows is None:
+            named = {str(entry.get("file")) for entry in given["recordings"] if isinstance(entry, Mapping)}
+            unused = [name for name, _ in recordings if name not in named]
+            if unused:
+                raise RequestError(f"no entry of `recordings` has the file `{unused[0]}`, which is in `data`")
         if rows is not None:
             given["data"] = {"table": "table", **given["data"]}
         text = toml(given)
     return path, text, model, rows, recordings, None if folder is None else fspath(folder)
+
+
+def _check_durations(plan: Mapping[str, Any], data: Mapping[str, Any]) -> None:
+    """Errors: a time column holds durations or dates, and the plan gives it another unit than s."""
+    time = plan.get("time")
+    column, unit = (time.get("column"), time.get("unit", "s")) if isinstance(time, Mapping) else (None, "s")
+    for name, frame in data.items():
+        values = columns_of(frame).get(str(column))
+        if unit != "s" and values is not None and in_seconds(values):
+            raise RequestError(f"`{column}` of `{name}` holds durations or dates, which count in seconds: "
+                               f"give `time` the unit s instead of {unit}")
 
 
 def _allowed(allow: Any, plan: Any, keys: dict[str, Any]) -> list[str]:
@@ -428,11 +463,11 @@ def _frame(frame: Any, name: str) -> list[tuple[str, bytes]]:
     columns = []
     length = None
     for column, values in columns_of(frame).items():
-        try:
-            found = numbers(values, column)
-        except RequestError:
-            # A column of strings: the plan does not need it, or the engine reports that it holds no numbers.
-            found = np.full(len(values), np.nan)
+        # The plan may not need a column of texts; the engine reports it if none of them is a number.
+        found, texts = readings(values, column)
+        if 0 < texts < len(found):
+            text = f"`{column}` of `{name}`: {texts} of {len(found)} values are no numbers, and taken as missing"
+            warnings.warn(text, ModelWarning, stacklevel=4)
         if length is not None and len(found) != length:
             raise RequestError(f"`{column}` of `{name}` has {len(found)} rows instead of {length}")
         length = len(found)

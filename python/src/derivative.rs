@@ -256,7 +256,12 @@ pub fn sensitivities<'py>(
             found.ok_or_else(|| wrong(format!("the model has no variable `{name}`")))
         };
         let columns = variables.iter().map(column).collect::<Result<Vec<usize>, _>>()?;
-        settings.start = settings.start.min(times.first().copied().unwrap_or(settings.start));
+        if let Some(first) = times.first().filter(|first| **first < settings.start) {
+            let start = settings.start;
+            return Err(wrong(format!(
+                "the run starts at {start} s, so it has no values at {first} s"
+            )));
+        }
         settings.stop = times.last().copied().unwrap_or(settings.stop);
         settings.instants = Some(times.clone().into());
         let (width, count) = (program.recorded.len(), wanted.len());

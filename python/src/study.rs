@@ -384,6 +384,7 @@ pub fn diagnose<'py>(
     recordings: Vec<Frame<'py>>,
     folder: Option<PathBuf>,
     effects: Option<PathBuf>,
+    only: Vec<String>,
     time_limit: Option<f64>,
     progress: Option<Py<PyAny>>,
     spread: Option<Py<PyAny>>,
@@ -399,7 +400,7 @@ pub fn diagnose<'py>(
         data: folder,
         effects,
         modelica_path: std::env::var_os("MODELICAPATH"),
-        policy: SearchPolicy::default(),
+        policy: SearchPolicy { only, ..SearchPolicy::default() },
         next: false,
     };
     let started_at = Instant::now();

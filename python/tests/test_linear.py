@@ -144,6 +144,7 @@ def test_derivatives_refuse_what_has_none(tank):
     for wrong in (
         lambda: tank.sensitivities(["n"], ["x"], [1.0]),
         lambda: tank.sensitivities(["k"], ["nothing"], [1.0]),
+        lambda: tank.sensitivities(["k"], ["x"], [-1.0, 1.0]),
         lambda: tank.sensitivities(["k"], ["x"], [1.0, 1.0]),
         lambda: tank.sensitivities([], ["x"], [1.0]),
     ):

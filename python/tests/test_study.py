@@ -34,6 +34,46 @@ def test_a_calibration_finds_the_parameters(fitted):
     assert "converged" in repr(fitted)
 
 
+def test_values_that_are_missing_are_not_compared(fitted):
+    one, two = recording(0.8, 1), recording(0.8, 2)
+    level = "level_mm"
+    bad = np.arange(len(one[level])) % 7 == 3
+
+    def fit(column):
+        changed = {**one, level: column}
+        return mocc.calibrate(PLAN, {"one": changed, "two": two})
+
+    values = np.where(bad, np.nan, one[level])
+    expected = fit(values).values
+    assert expected != fitted.values
+    masked = np.ma.masked_array(np.where(bad, 1e9, one[level]), mask=bad)
+    assert fit(masked).values == expected
+    nullable = pandas.array([None if b else float(x) for b, x in zip(bad, one[level], strict=True)], dtype="Float64")
+    assert fit(nullable).values == expected
+    texts = ["n/a" if b else repr(float(x)) for b, x in zip(bad, one[level], strict=True)]
+    with pytest.warns(mocc.ModelWarning, match=f"`{level}` of `one`: .* values are no numbers"):
+        assert fit(texts).values == expected
+
+
+def test_durations_have_a_unit_of_their_own(fitted):
+    one, two = recording(0.8, 1), recording(0.8, 2)
+    timed = {name: {**frame, "t": pandas.to_timedelta(frame["t"], unit="s")} for name, frame in {"one": one, "two": two}.items()}
+    assert np.allclose(list(mocc.calibrate(PLAN, timed).values.values()), list(fitted.values.values()), rtol=1e-6)
+    for zone in (None, "UTC"):
+        begin = pandas.Timestamp("2026-03-01 10:00", tz=zone)
+        dated = {name: {**frame, "t": begin + frame["t"]} for name, frame in timed.items()}
+        assert np.allclose(list(mocc.calibrate(PLAN, dated).values.values()), list(fitted.values.values()), rtol=1e-6)
+    with pytest.raises(mocc.RequestError, match="count in seconds"):
+        mocc.calibrate({**PLAN, "time": {"column": "t", "unit": "ms"}}, timed)
+
+
+def test_a_signal_without_values_is_said():
+    plan = {**PLAN, "signals": {**PLAN["signals"], "speed": {"variable": "y", "unit": "m", "sigma": 1.0}}}
+    frames = {name: {**recording(0.8, seed), "speed": ["n/a"] * 81} for seed, name in enumerate(["one", "two"])}
+    with pytest.warns(mocc.ModelWarning, match="no recording has a value of `speed`"):
+        mocc.calibrate(plan, frames)
+
+
 def test_residuals_and_jacobian_are_those_of_the_fit(fitted, tmp_path):
     r = fitted.residuals()
     assert r.shape == (162,) and abs((r @ r) / 160 - 1) < 0.3
@@ -152,6 +192,7 @@ def test_wrong_plans_and_recordings_are_one_clear_exception(change, frame, code)
         ({"plan": PLAN, "data": {"one": {"t": [1, 2], "level_mm": [1]}}}, "1 rows instead of 2"),
         ({"plan": {**PLAN, "window": object()}, "data": {"one": {"t": [0, 1], "level_mm": [1, 1]}}}, "cannot hold a"),
         ({"plan": "no_such.toml"}, "no_such.toml"),
+        ({"plan": {**PLAN, "recordings": [{"file": "a"}]}, "data": {"a": recording(1, 1), "b": recording(1, 2)}}, "file `b`"),
     ],
 )
 def test_wrong_arguments_are_one_clear_exception(arguments, text):
@@ -230,6 +271,18 @@ def test_a_wrong_diagnosis_is_one_clear_exception():
     with pytest.raises(mocc.RequestError) as caught:
         mocc.diagnose(PLAN, {"one": recording(0.8, 1)}, effects="no_such_folder")
     assert caught.value.code == "MO1020"
+    with pytest.raises(mocc.RequestError, match="did you mean `SensorGain`") as caught:
+        mocc.diagnose(PLAN, {"one": recording(0.8, 1)}, only="SensorGian")
+    assert caught.value.code == "MO1023"
+
+
+def test_a_search_may_be_restricted():
+    frames = {name: recording(0.8, seed) for seed, name in enumerate(["one", "two"], 1)}
+    for frame in frames.values():
+        frame["level_mm"] += 100 * frame["t"]
+    d = mocc.diagnose(PLAN, frames, only=["SensorDrift", "SensorGain"])
+    assert [effect.component for effect in d.effects] == ["Effects.SensorDrift"]
+    assert "restricted to SensorDrift, SensorGain" in d.summary
 
 
 # ---- Sweeps ----
