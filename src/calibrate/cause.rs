@@ -132,5 +132,9 @@ causes! {
         /// A column has no values.
         error MO1042 EmptyColumn { path: String, column: String }
             => ("{path}: `{column}` has no values");
+        /// No recording has a value of a signal.
+        warning MO1052 NeverMeasured { column: String }
+            => ("no recording has a value of `{column}`, so it is not compared"),
+            help("values are numbers with a decimal point; remove the signal from the plan if it was not measured");
     }
 }

@@ -128,6 +128,12 @@ pub fn read(plan: &Plan, problems: &mut Problems) -> Option<Data> {
     if problems.error_count() > before {
         return None;
     }
+    for (k, signal) in plan.signals.iter().enumerate() {
+        if recordings.iter().all(|r| r.signals[k].iter().all(|value| value.is_nan())) {
+            let cause = RecordingCause::NeverMeasured { column: signal.column.clone() };
+            problems.push(Diagnostic::new(cause, signal.span));
+        }
+    }
     let sigmas = sigmas(plan, &recordings, problems, &mut repairs);
     (problems.error_count() == before).then_some(Data { recordings, sigmas, repairs })
 }
