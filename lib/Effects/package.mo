@@ -27,6 +27,7 @@ package Effects "Physical effects that a model may lack"
   //   follows=line          such an effect is tried for the two parameters only that a law without this entry suits best
   //   series=true           the effect and its host together are another law of the host: a sensor of the host's flow reads
   //                         what flows through both
+  //   between=moving        of an effect with two connectors: neither of them is attached to a point that is fixed in space
   //   adds=term             this variable of the effect is added to an equation of the model that determines the rate of a
   //                         state or a measured variable. The inputs of the effect are bound to variables of the model of
   //                         their units; an input without a unit, to any
@@ -41,7 +42,8 @@ package Effects "Physical effects that a model may lack"
   // one potential and one flow with the units of the effect's connector, or where none are declared, with its names. The
   // model is then extended by an adapter.
   //
-  // A block Sensor... has no connector: it converts the simulated value u to the reading y.
+  // A block Sensor... has no connector: it converts the simulated value u to the reading y. A further input is bound to each
+  // other quantity that is known: what other sensors measure, inputs that are recorded, conditions.
   // `explains` is the sentence that a diagnosis reports; %at is the location and %over the variable that a parameter
   // varies with or a term depends on. `law` is the effect's formula.
   //

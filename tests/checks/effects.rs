@@ -148,7 +148,7 @@ fn a_run_has_derivatives_by_every_amplitude_at_zero() {
                 "Sensor",
                 "ActuatorLag",
                 "PartialLag",
-                "Rate",
+                "RateLimit",
                 "ActuatorHysteresis",
                 "ActuatorBacklash",
                 "EmptyStore",
@@ -197,6 +197,7 @@ fn annotations_name_existing_elements() {
                 "order" => assert_eq!(values, "first", "{}", effect.name),
                 "follows" => assert_eq!(values, "line", "{}", effect.name),
                 "series" => assert_eq!(values, "true", "{}", effect.name),
+                "between" => assert_eq!(values, "moving", "{}", effect.name),
                 "varies" | "acts" | "adds" | "starts" => {
                     assert!(is_there(values), "{}: {values}", effect.name)
                 }

@@ -49,6 +49,13 @@ package EffectTests
     Real v = mass.v;
   end OnMass;
 
+  partial model TwoMasses "Two masses that leave each other"
+    extends Check(n = 1);
+    Translational.Mass body(m = 2, v_start = -1);
+    Translational.Mass other(m = 2, v_start = 1);
+    constant Real omega = sqrt(200) "Of a spring of 200 N/m between them, rad/s";
+  end TwoMasses;
+
   partial model OnSpool "A body between stops that are far away, sliding"
     extends Check;
     parameter Real v_0 = 1 "Speed at the start, m/s";
@@ -262,6 +269,21 @@ package EffectTests
       annotation(experiment(StopTime = 0.95, Tolerance = 1e-9));
     end EndCushion;
 
+    model OneWayCushion
+      extends OnMass(n = 2, v_0 = 1);
+      // Towards the end like EndCushion, and freely away from it.
+      Effects.OneWayCushion effect(d = 6, w = 0.3, side = 1, s_lo = 0, s_hi = 1);
+      Translational.Mass leaving(m = m, s_start = 0.99, v_start = -0.5);
+      Effects.OneWayCushion behind(d = 6, w = 0.3, side = 1, s_lo = 0, s_hi = 1);
+      Real x = 1 - s;
+    equation
+      connect(effect.flange, mass.flange);
+      connect(behind.flange, leaving.flange);
+      found = {v, leaving.v};
+      exact = {if x > 0.3 then 1 else 1 - 6/m*0.3/3*(1 - x/0.3)^3, -0.5};
+      annotation(experiment(StopTime = 0.95, Tolerance = 1e-9));
+    end OneWayCushion;
+
     model CompliantStop
       extends Check(n = 2);
       // Springing back: half a sine. Only damped: the speed falls with the square of the depth.
@@ -319,6 +341,130 @@ package EffectTests
       exact = {-3*(0.5 - 100*time), -3*(1.5*exp(-100*time) - 1)};
       annotation(experiment(StopTime = 0.004, Tolerance = 1e-9));
     end BoucWenHysteresis;
+
+    model StretchSpring
+      extends TwoMasses;
+      // From the distance of rest, against each other with sqrt(2 c/m).
+      Effects.StretchSpring effect(c = 200, F_0 = 4);
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      found = {effect.s_rel};
+      exact = {-0.02 + 0.02*cos(omega*time) + 2/omega*sin(omega*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-10));
+    end StretchSpring;
+
+    model StretchStiffening
+      extends TwoMasses;
+      // What it holds it gives back: the motion keeps its energy.
+      Effects.StretchStiffening effect(c_2 = 30, c_3 = 200, l_0 = 0.1);
+      Real x = effect.s_rel - 0.1;
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      found = {other.v^2};
+      exact = {1 - (30*(x^3 + 0.1^3)/3 + 200*(x^4 - 0.1^4)/4)/2};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-10));
+    end StretchStiffening;
+
+    model StretchDamping
+      extends TwoMasses;
+      Effects.StretchDamping effect(d = 3);
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      found = {effect.v_rel};
+      exact = {2*exp(-3*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end StretchDamping;
+
+    model StretchOrifice
+      extends TwoMasses;
+      Effects.StretchOrifice effect(k = 3);
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      found = {effect.v_rel};
+      exact = {1/(1/2 + 3*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end StretchOrifice;
+
+    model StretchFriction
+      extends TwoMasses;
+      // z = 1 - exp(-s_rel/delta) while they slide: what they lose is the work of the friction.
+      Effects.StretchFriction effect(F = 1, delta = 0.01);
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      found = {other.v^2};
+      exact = {1 - (effect.s_rel - 0.01*(1 - exp(-effect.s_rel/0.01)))/2};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end StretchFriction;
+
+    model StretchStop
+      extends TwoMasses(n = 2);
+      // The potential c w^2/(n + 1) (x/w)^(n + 1) of half the relative motion; no force before the contact, and on the other side.
+      Effects.StretchStop effect(c = 50, n = 2, w = 0.2, l_0 = 0.3, side = 1);
+      Translational.ConstantSpeed still(v_0 = 0);
+      Translational.ConstantSpeed near(v_0 = -1);
+      Effects.StretchStop below(c = 50, n = 1, w = 0.2, l_0 = -0.1, side = -1);
+      Real x = noEvent(max(0, effect.s_rel - 0.3));
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      connect(below.flange_a, still.flange);
+      connect(below.flange_b, near.flange);
+      found = {other.v^2, below.f};
+      // The power is smoothed for depths of a thousandth of w.
+      exact = {1 - 50/0.2*((x^2 + 2e-4^2)^1.5 - 2e-4^3)/3/2, if time < 0.1 then 0 else -50*(time - 0.1)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-10));
+    end StretchStop;
+
+    model StretchPlay
+      extends Check;
+      // With a spring and a damper of the same size, nothing acts within the play but for the ends.
+      Translational.ConstantSpeed body(v_0 = 1);
+      Translational.ConstantSpeed other(v_0 = 2, s_0 = -0.5);
+      Effects.StretchPlay effect(c = 200, d = 3, b = 0.1, l_0 = 0.05);
+      Translational.Spring spring(c = 200);
+      Translational.Damper damper(d = 3);
+      Real x = time - 0.5 - 0.05 "Distance from the middle";
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      connect(spring.flange_a, body.flange);
+      connect(spring.flange_b, other.flange);
+      connect(damper.flange_a, body.flange);
+      connect(damper.flange_b, other.flange);
+      found = {spring.f + damper.f + effect.f};
+      exact = {200*0.05 + (if x < -0.1 then 200*(x + 0.1) + 3 elseif x > 0.1 then 200*(x - 0.1) + 3
+        elseif abs(x) > 0.09 then 3*(1 - 10*(1 - abs(x)/0.1)) else 0)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end StretchPlay;
+
+    model FreeForceOverStretch
+      extends TwoMasses;
+      // Values on a straight line: a spring.
+      Effects.FreeForceOverStretch effect(F = {-200, 0, 200}, n = 3, s_lo = -1, s_hi = 1);
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      found = {effect.s_rel};
+      exact = {2/omega*sin(omega*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-10));
+    end FreeForceOverStretch;
+
+    model FreeForceOverStretchRate
+      extends TwoMasses;
+      // Values on a straight line: a damper.
+      Effects.FreeForceOverStretchRate effect(F = {-9, 0, 9}, n = 3, v_lo = -3, v_hi = 3);
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      found = {effect.v_rel};
+      exact = {2*exp(-3*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end FreeForceOverStretchRate;
 
     model FreeForceOverPosition
       extends OnMass(s_0 = 0.1);
@@ -497,6 +643,19 @@ package EffectTests
       annotation(experiment(StopTime = 50, Tolerance = 1e-9));
     end FreeFlow;
 
+    model LineInertia
+      extends OnVessel;
+      // A vessel that a flow of time leaves, behind a lag.
+      Effects.LineInertia effect(m_host = 1e-6*time, tau = 0.2, tau_min = 1e-9);
+      Pneumatics.Ambient ambient;
+    equation
+      connect(effect.port_a, vessel.port);
+      connect(effect.port_b, ambient.port);
+      found = {effect.m_flow};
+      exact = {-0.2e-6*(1 - exp(-time/0.2))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end LineInertia;
+
     model DeadVolume
       extends Filled;
       Effects.DeadVolume effect(V = 0.5e-3);
@@ -547,6 +706,39 @@ package EffectTests
       exact = {1 - 6/m*time, -1};
       annotation(experiment(StopTime = 0.3, Tolerance = 1e-9));
     end DirectionalFriction;
+
+    model DirectionalSealFriction
+      // Of a friction of 3, 4 acts against +v and 2 against -v, at rest as well.
+      extends OnSpool(n = 4);
+      Effects.DirectionalSealFriction effect(a = 1/3, F = spool.seals.f_slide);
+      Effects.CoulombDrag drag(F = 3);
+      Translational.StopMass back(m = m, s_min = -10, s_max = 10, s_start = 0, v_start = -1,
+        mode_start = Translational.Motion.Backward);
+      Effects.DirectionalSealFriction effect_back(a = 1/3, F = back.seals.f_slide);
+      Effects.CoulombDrag drag_back(F = 3);
+      Translational.StopMass held(m = m, s_min = -10, s_max = 10, s_start = 0, mode_start = Translational.Motion.Locked);
+      Effects.DirectionalSealFriction effect_held(a = 1/3, F = held.seals.f_slide);
+      Effects.CoulombDrag drag_held(F = 3);
+      Effects.ConstantForce push(F = 3.5);
+      Translational.StopMass slips(m = m, s_min = -10, s_max = 10, s_start = 0, mode_start = Translational.Motion.Locked);
+      Effects.DirectionalSealFriction effect_slips(a = 1/3, F = slips.seals.f_slide);
+      Effects.CoulombDrag drag_slips(F = 3);
+      Effects.ConstantForce pull(F = -2.5);
+    equation
+      connect(effect.seals, spool.seals);
+      connect(drag.spool, spool.seals);
+      connect(effect_back.seals, back.seals);
+      connect(drag_back.spool, back.seals);
+      connect(effect_held.seals, held.seals);
+      connect(drag_held.spool, held.seals);
+      connect(push.flange, held.flange);
+      connect(effect_slips.seals, slips.seals);
+      connect(drag_slips.spool, slips.seals);
+      connect(pull.flange, slips.flange);
+      found = {v, back.v, held.v, slips.v};
+      exact = {1 - 4/m*time, -(1 - 2/m*time), 0, -0.5/m*time};
+      annotation(experiment(StopTime = 0.3, Tolerance = 1e-9));
+    end DirectionalSealFriction;
 
     model FreeLeakOverPosition
       // Values on a straight line under a spool at constant speed: choked, the pressure falls with the square of time.
@@ -900,6 +1092,22 @@ package EffectTests
       exact = {exp(-time)*(cos(sqrt(3)*time) - sin(sqrt(3)*time)/sqrt(3))};
       annotation(experiment(StopTime = 3, Tolerance = 1e-10), __mocc(adds = "der(T) = effect.term"));
     end LateTerm;
+
+    model HysteresisTerm
+      extends Check;
+      // Up until 1, then down.
+      Real x(start = 0, fixed = true);
+      constant Real T = 1e-3 "Lag of the path";
+      Effects.HysteresisTerm effect(A = 3, w = 0.1, T_min = T, x = x);
+      Real path = if time < 1 then time - T*(1 - exp(-time/T)) else 2 - time + T - 2*T*exp(-(time - 1)/T);
+      constant Real peak = 1 - T*log(2) "Where the path turns, by so much later than x";
+      Real z = if time < 1 + T*log(2) then 1 - exp(-path/0.1) else -1 + (2 - exp(-peak/0.1))*exp((path - peak)/0.1);
+    equation
+      der(x) = if time < 1 then 1 else -1;
+      found = {effect.term};
+      exact = {3*z};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-10));
+    end HysteresisTerm;
 
     model StoredTerm
       extends Equation;
@@ -1281,6 +1489,14 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end SensorDelay;
 
+    model SensorCrossTalk
+      extends Check;
+      Effects.SensorCrossTalk effect(a = 0.5, x_0 = 1, u = time, x = time^2);
+    equation
+      found = {effect.y};
+      exact = {time + 0.5*time^2 - 0.5};
+    end SensorCrossTalk;
+
     model SensorHysteresis
       extends Check;
       // Up until 1, then down.
@@ -1506,6 +1722,35 @@ package EffectTests
         elseif abs(x) > 0.09 then 3*(1 - 10*(1 - abs(x)/0.1)) else 0)};
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end Backlash;
+
+    model TwistFriction
+      extends Check;
+      Rotational.Inertia body(J = 2, w_start = -1);
+      Rotational.Inertia other(J = 2, w_start = 1);
+      // As between two masses: what they lose is the work of the friction.
+      Effects.TwistFriction effect(M = 1, delta = 0.01);
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      found = {other.w^2};
+      exact = {1 - (effect.phi_rel - 0.01*(1 - exp(-effect.phi_rel/0.01)))/2};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end TwistFriction;
+
+    model FreeTorqueOverTwist
+      extends Check;
+      Rotational.Inertia body(J = 2, w_start = -1);
+      Rotational.Inertia other(J = 2, w_start = 1);
+      // Values on a straight line: a torsion spring.
+      Effects.FreeTorqueOverTwist effect(M = {-200, 0, 200}, n = 3, phi_lo = -1, phi_hi = 1);
+      Real omega = sqrt(200);
+    equation
+      connect(effect.flange_a, body.flange);
+      connect(effect.flange_b, other.flange);
+      found = {effect.phi_rel};
+      exact = {2/omega*sin(omega*time)};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-10));
+    end FreeTorqueOverTwist;
 
     model LeakConductance
       extends Check;
@@ -2038,6 +2283,102 @@ package EffectTests
       connect(effect.flange, spool.flange);
     end EndCushion;
 
+    model OneWayCushion
+      extends Base;
+      Effects.OneWayCushion effect(s_lo = 0, s_hi = 3.5e-3);
+    equation
+      connect(effect.flange, spool.flange);
+    end OneWayCushion;
+
+    partial model BesideMasses "The valve beside two masses with a spring between them"
+      extends Base;
+      Translational.Mass   near(m = 1, v_start = 1);
+      Translational.Mass   far(m = 2);
+      Translational.Spring between(c = 4e4);
+      Translational.Mass   near_twin(m = 1, v_start = 1);
+      Translational.Mass   far_twin(m = 2);
+      Translational.Spring between_twin(c = 4e4);
+      Real observed = near.v;
+      Real twin = near_twin.v;
+    equation
+      connect(near.flange, between.flange_a);
+      connect(between.flange_b, far.flange);
+      connect(near_twin.flange, between_twin.flange_a);
+      connect(between_twin.flange_b, far_twin.flange);
+    end BesideMasses;
+
+    model StretchSpring
+      extends BesideMasses;
+      Effects.StretchSpring effect;
+    equation
+      connect(effect.flange_a, near.flange);
+      connect(effect.flange_b, far.flange);
+    end StretchSpring;
+
+    model StretchStiffening
+      extends BesideMasses;
+      Effects.StretchStiffening effect(l_0 = 1e-3);
+    equation
+      connect(effect.flange_a, near.flange);
+      connect(effect.flange_b, far.flange);
+    end StretchStiffening;
+
+    model StretchDamping
+      extends BesideMasses;
+      Effects.StretchDamping effect;
+    equation
+      connect(effect.flange_a, near.flange);
+      connect(effect.flange_b, far.flange);
+    end StretchDamping;
+
+    model StretchOrifice
+      extends BesideMasses;
+      Effects.StretchOrifice effect;
+    equation
+      connect(effect.flange_a, near.flange);
+      connect(effect.flange_b, far.flange);
+    end StretchOrifice;
+
+    model StretchFriction
+      extends BesideMasses;
+      Effects.StretchFriction effect(delta = 1e-6);
+    equation
+      connect(effect.flange_a, near.flange);
+      connect(effect.flange_b, far.flange);
+    end StretchFriction;
+
+    model StretchStop
+      extends BesideMasses;
+      Effects.StretchStop effect(l_0 = 1e-3, w = 1e-4);
+    equation
+      connect(effect.flange_a, near.flange);
+      connect(effect.flange_b, far.flange);
+    end StretchStop;
+
+    model StretchPlay
+      extends BesideMasses;
+      Effects.StretchPlay effect(b = 1e-5);
+    equation
+      connect(effect.flange_a, near.flange);
+      connect(effect.flange_b, far.flange);
+    end StretchPlay;
+
+    model FreeForceOverStretch
+      extends BesideMasses;
+      Effects.FreeForceOverStretch effect(s_lo = -3.5e-3, s_hi = 3.5e-3);
+    equation
+      connect(effect.flange_a, near.flange);
+      connect(effect.flange_b, far.flange);
+    end FreeForceOverStretch;
+
+    model FreeForceOverStretchRate
+      extends BesideMasses;
+      Effects.FreeForceOverStretchRate effect;
+    equation
+      connect(effect.flange_a, near.flange);
+      connect(effect.flange_b, far.flange);
+    end FreeForceOverStretchRate;
+
     model CompliantStop
       extends Base;
       Effects.CompliantStop effect(s_lo = 0, s_hi = 3.5e-3);
@@ -2163,6 +2504,14 @@ package EffectTests
     equation
       connect(effect.port_a, chamber.port);  connect(effect.port_b, ambient.port);
     end FreeFlow;
+
+    model LineInertia
+      extends Base;
+      Effects.LineInertia effect(m_host = line.m_flow);
+    equation
+      connect(effect.port_a, line.port_a);
+      connect(effect.port_b, line.port_b);
+    end LineInertia;
 
     model DeadVolume
       extends Base;
@@ -2352,6 +2701,12 @@ package EffectTests
       Effects.LateTerm effect(x = -10*observed, T_min = 1e-4);
       annotation(__mocc(adds = "der(observed) = effect.term"));
     end LateTerm;
+
+    model HysteresisTerm
+      extends Equation;
+      Effects.HysteresisTerm effect(x = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end HysteresisTerm;
 
     model StoredTerm
       extends Equation;
@@ -2570,6 +2925,11 @@ package EffectTests
       Effects.SensorDelay effect(u = s);
     end SensorDelay;
 
+    model SensorCrossTalk
+      extends Base;
+      Effects.SensorCrossTalk effect(u = s, x = p);
+    end SensorCrossTalk;
+
     model SensorHysteresis
       extends Base;
       Effects.SensorHysteresis effect(u = s, w = 1e-4);
@@ -2586,6 +2946,13 @@ package EffectTests
     equation
       connect(effect.spool, spool.seals);
     end DirectionalFriction;
+
+    model DirectionalSealFriction
+      extends Base;
+      Effects.DirectionalSealFriction effect(F = spool.seals.f_slide);
+    equation
+      connect(effect.seals, spool.seals);
+    end DirectionalSealFriction;
 
     model FreeLeakOverPosition
       extends Base;
@@ -2725,6 +3092,22 @@ package EffectTests
       connect(effect.flange_a, motor.flange);
       connect(effect.flange_b, load.flange);
     end Backlash;
+
+    model TwistFriction
+      extends BesideShafts;
+      Effects.TwistFriction effect(delta = 1e-5);
+    equation
+      connect(effect.flange_a, motor.flange);
+      connect(effect.flange_b, load.flange);
+    end TwistFriction;
+
+    model FreeTorqueOverTwist
+      extends BesideShafts;
+      Effects.FreeTorqueOverTwist effect;
+    equation
+      connect(effect.flange_a, motor.flange);
+      connect(effect.flange_b, load.flange);
+    end FreeTorqueOverTwist;
 
     model LeakConductance
       extends BesideCircuit;
