@@ -102,6 +102,7 @@ pub fn described(program: &Program, sources: &SourceMap, plan: &Plan, data: &Dat
     plan.signals.iter().for_each(|s| w.text(&s.variable));
     w.count(usize::from(is_numbered(plan)));
     w.optional(plan.most_steps, |w, steps| w.count(steps as usize));
+    w.count(plan.allowance as usize);
     w.numbers(&data.sigmas);
     w.count(checksum(data) as usize);
     w.0.into()
@@ -266,6 +267,7 @@ impl Worker {
             number_recordings(plan, data);
         }
         plan.most_steps = r.optional(|r| Some(r.count()? as u64))?;
+        plan.allowance = r.count()? as u64;
         data.sigmas = r.numbers()?;
         Some((appended, experiment, r.count()? as u64))
     }

@@ -66,6 +66,8 @@ pub struct Plan {
     pub each: Vec<Free>,
     /// Steps after which a run of a training recording is abandoned, if fewer than usual.
     pub most_steps: Option<u64>,
+    /// How many times as many steps as usual a run of a training recording may take.
+    pub allowance: u64,
 }
 
 /// An FMU whose surroundings are the model of a plan. Inside it nothing can be added.

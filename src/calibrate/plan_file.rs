@@ -88,6 +88,7 @@ fn plan(r: &mut Reader<'_>, root: &Section<'_>, path: &Path) -> Plan {
         free,
         each,
         most_steps: None,
+        allowance: 1,
     };
     contradictions(r, &plan);
     plan

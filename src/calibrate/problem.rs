@@ -73,6 +73,8 @@ pub struct Problem<'a> {
     pub(super) driven: Vec<VarId>,
     pub(super) channels: Vec<Channel>,
     pub(super) settings: Settings,
+    /// How many times as many steps as usual a run of a training recording may take.
+    pub(super) allowance: u64,
     /// Training recordings that are trimmed at present, by position.
     pub trimmed: Vec<usize>,
     /// The run was cancelled: searches return what they have.
@@ -165,6 +167,7 @@ impl<'a> Problem<'a> {
             channels,
             settings: settings(program, plan, execution),
             trimmed: Vec::new(),
+            allowance: plan.allowance,
             stopped: false,
             jobs: parallel::cores(),
             elsewhere: None,

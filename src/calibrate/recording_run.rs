@@ -74,7 +74,7 @@ impl Problem<'_> {
         // A search passes through values at which a run would take hours; no minimum lies there.
         let most = MAX_STEPS + MAX_STEPS_PER_ROW * recording.time.len() as u64;
         settings.most_steps = match recording.split {
-            Split::Train => most.min(self.settings.most_steps),
+            Split::Train => self.allowance * most.min(self.settings.most_steps),
             // It may be much longer than those that are fitted.
             Split::Validation | Split::Test => most,
         };

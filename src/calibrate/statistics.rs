@@ -17,6 +17,8 @@ const DETERMINED: f64 = 1.0;
 const NO_INFLUENCE: f64 = 1e-6;
 /// Component above which a parameter takes part in a direction without influence.
 const SHARE: f64 = 1e-3;
+/// Share of some parameters in the square of an undetermined direction above which it concerns them.
+const CONCERNS: f64 = 0.35;
 /// Component, relative to the largest, above which a parameter is named with a direction.
 const NAMED: f64 = 0.1;
 
@@ -97,6 +99,28 @@ pub fn standard_errors(normal: &NormalEquations, parameters: &[Parameter], x: &[
     Statistics::new(normal, parameters, x).errors
 }
 
+/// The same of some parameters beside all others, `is_own`, without the undetermined directions that concern the others. Where
+/// only potentials are measured and prescribed, all capacities and conductances have a common factor that nothing determines:
+/// what a further one is relative to them is known all the same.
+pub fn errors_beside(
+    normal: &NormalEquations,
+    parameters: &[Parameter],
+    x: &[f64],
+    is_own: &[bool],
+) -> Vec<f64> {
+    let n = parameters.len();
+    let units: Vec<f64> = parameters.iter().zip(x).map(|(p, x)| unit(p, *x)).collect();
+    let all: Vec<usize> = (0..n).collect();
+    let mut determined = directions(&in_units(normal, &units), &all);
+    determined.retain(|(value, v)| {
+        let own = v.iter().zip(is_own).filter(|(_, is_own)| **is_own);
+        *value >= DETERMINED || own.map(|(v, _)| v * v).sum::<f64>() > CONCERNS
+    });
+    let covariance = inverse(n, &determined, &all);
+    let slope = |i: usize| parameters[i].scale.slope(parameters[i].scale.value(x[i])).abs();
+    (0..n).map(|i| slope(i) * units[i] * covariance[i + n * i].sqrt()).collect()
+}
+
 /// Sum of squares by degree of freedom: near one if the model explains the data to their noise.
 pub fn reduced(cost: f64, residuals: usize, parameters: usize) -> f64 {
     cost / residuals.saturating_sub(parameters).max(1) as f64
@@ -148,14 +172,17 @@ fn directions(normal: &NormalEquations, of: &[usize]) -> Vec<(f64, Vec<f64>)> {
 }
 
 fn covariance(normal: &NormalEquations, of: &[usize]) -> Vec<f64> {
-    let n = normal.n;
+    inverse(normal.n, &directions(normal, of), of)
+}
+
+/// The inverse of the normal equations of some of `n` parameters, of their eigenvalues and vectors.
+fn inverse(n: usize, directions: &[(f64, Vec<f64>)], of: &[usize]) -> Vec<f64> {
     let mut sum = vec![0.0; n * n];
-    let directions = directions(normal, of);
     let largest = directions.last().map_or(0.0, |d| d.0);
     // Rounding of sums of products of this size.
     let least = NO_INFLUENCE.max(n as f64 * f64::EPSILON * largest);
     let mut no_influence = vec![directions.is_empty(); n];
-    for (value, v) in &directions {
+    for (value, v) in directions {
         if *value <= least {
             (0..n).for_each(|i| no_influence[i] |= v[i].abs() > SHARE);
             continue;
@@ -290,6 +317,27 @@ mod tests {
             ]
         );
         assert_eq!(found.correlation(0, 3), 0.0);
+    }
+
+    /// Residuals that depend on the ratios of four parameters only, of which one is that of an effect: it is known beside the
+    /// others. One that only replaces another is not.
+    #[test]
+    fn a_common_factor_concerns_nobody() {
+        let all = ["a", "b", "c", "effect"].map(positive);
+        let x = [1.5, 1.5, 1.5, 1.5];
+        let is_own = [false, false, false, true];
+        let mut ratios = NormalEquations::new(4);
+        let mut replaced = NormalEquations::new(4);
+        for i in 0..100 {
+            let wave = |k: f64| 10.0 * (k * i as f64).sin();
+            let (p, q, r) = (wave(1.0), wave(1.7), wave(2.3));
+            ratios.add(0.0, &[p, q - p, r - q, -r]);
+            replaced.add(0.0, &[p, q, r, r]);
+        }
+        let errors = errors_beside(&ratios, &all, &x, &is_own);
+        assert!(standard_errors(&ratios, &all, &x)[3].is_infinite());
+        assert!(errors[3] < 0.1, "{errors:?}");
+        assert!(errors_beside(&replaced, &all, &x, &is_own)[3] > 100.0);
     }
 
     /// One of two correlated parameters at its bound: the other is as certain as without it.

@@ -34,7 +34,7 @@ pub fn run(options: &Diagnose) -> Status {
         data: options.study.data.clone(),
         effects: options.effects.clone(),
         modelica_path: modelica_path(),
-        policy: SearchPolicy::default(),
+        policy: SearchPolicy { only: options.only.clone(), ..SearchPolicy::default() },
         next: options.next,
     };
     let outcome = diagnose(&request, &mut session, &terminal);

@@ -54,6 +54,8 @@ pub struct Effect {
     pub follows_line: bool,
     /// Together with its host it is another law of the host, so a sensor of the host's flow reads both.
     pub in_series: bool,
+    /// It acts between two connection sets that move, and none of them is fixed in space: an effect with one connector acts there.
+    pub between_moving: bool,
     /// Of an effect that is a term of an equation: the variable that is added.
     pub adds: Option<String>,
     /// Of such a term: its input is the state whose rate the equation determines.
@@ -90,6 +92,25 @@ impl Effect {
         self.varies.is_some() || self.adds.is_some()
     }
 
+    /// True for its name, with or without the package; `parameter` is the name of all that let parameters vary.
+    pub fn is_called(&self, name: &str) -> bool {
+        let short = |full: &str| full.rsplit('.').next() == Some(name);
+        let own = [self.name(), &self.class];
+        own.iter().any(|full| *full == name || short(full))
+            || self.varies.is_some() && name == PARAMETER
+    }
+
+    /// The input of a sensor for another quantity than the one that it measures.
+    pub fn other_quantity(&self) -> Option<&str> {
+        let (input, _) = self.binds.first().filter(|_| self.of_signal)?;
+        Some(input.as_str())
+    }
+
+    /// True if variables of the model take the place of this input in its law.
+    pub fn is_named_in_law(&self, input: &str) -> bool {
+        self.has_free_inputs() || self.other_quantity() == Some(input)
+    }
+
     /// True for a parameter that varies with something.
     pub fn is_variation(&self) -> bool {
         self.varies.is_some() && !self.binds.is_empty()
@@ -106,6 +127,9 @@ impl Effect {
         self.adds.is_some() && self.binds.len() > 1
     }
 }
+
+/// What `diagnosis.json` calls effects that let parameters vary.
+pub const PARAMETER: &str = "parameter";
 
 /// An amplitude.
 #[derive(Clone, Debug, PartialEq)]
@@ -369,6 +393,9 @@ fn component(mut effect: Effect, request: &Request) -> Result<Effect, String> {
     Ok(effect)
 }
 
+/// The input of a sensor: what it measures.
+pub const SENSOR_INPUT: &str = "u";
+
 fn complete(effect: &mut Effect, inventory: &Inventory) {
     if let Some(own) = inventory.parts.first() {
         effect.connectors = own.connectors.clone();
@@ -377,7 +404,8 @@ fn complete(effect: &mut Effect, inventory: &Inventory) {
     let acts_inside = inside.into_iter().any(Option::is_some);
     effect.of_signal = effect.connectors.is_empty() && !acts_inside;
     for input in &inventory.inputs {
-        if !effect.of_signal && !effect.binds.iter().any(|(name, _)| name == input) {
+        let is_read = effect.of_signal && input == SENSOR_INPUT;
+        if !is_read && !effect.binds.iter().any(|(name, _)| name == input) {
             effect.binds.push((input.clone(), vec![input.clone()]));
         }
     }
@@ -440,6 +468,7 @@ fn read(class: &str, text: &str, role: Role) -> Result<Effect, String> {
             "order" => effect.is_first = value.trim() == "first",
             "adds" => effect.adds = Some(value.trim().to_owned()),
             "follows" if value.trim() == "line" => effect.follows_line = true,
+            "between" if value.trim() == "moving" => effect.between_moving = true,
             "series" => effect.in_series = value.trim() == "true",
             "of" if value.trim() == "state" => effect.is_of_state = true,
             "of" if value.trim() == "term" => effect.is_of_term = true,

@@ -1,6 +1,7 @@
 //! Diagnostics of a diagnosis.
 
 use crate::base::cause::causes;
+use crate::base::diag::did_you_mean_or;
 
 causes! {
     /// Causes found in the catalogue of effects.
@@ -25,5 +26,9 @@ causes! {
         warning MO1022 FitsNowhere { class: String, why: String }
             => ("`{class}` fits nowhere in the model: {why}"),
             help("the comment in `lib/Effects/package.mo` says where an effect is attached");
+        /// The search is restricted to an effect that does not exist.
+        error MO1023 UnknownEffect { name: String, near: Option<String> }
+            => ("there is no effect `{name}`"),
+            remedy(did_you_mean_or(near, "`mocc lib list Effects` lists the shipped effects"));
     }
 }

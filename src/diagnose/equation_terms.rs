@@ -2,15 +2,19 @@
 //!
 //! Where a model has connectors, what it lacks is a flow at one of them. Elsewhere its equations are written out, and what
 //! they lack is a term: of every equation in the model's own source that determines the rate of a state or, in a model
-//! without states, is solved for a measured variable, unless it already has the flow of a connector.
+//! without states, is solved for a measured variable, unless it already has the flow of a connector. Beside states, the
+//! equation of a measured variable is among them if it is a law as well: if it reads parameters and several variables.
+//!
+//! A term may also depend on the difference of two states of one unit, as an exchange between them does.
 
-use crate::calibrate::plan::{Plan, Signal};
+use crate::calibrate::plan::Plan;
 use crate::flatten::open_equation::{Determined, OpenEquation, explicit_equation, rate_equations};
 use crate::ir::expr::VarId;
 use crate::ir::flat::FlatModel;
 
 use super::catalogue::Effect;
 use super::place::Place;
+use super::variation::states;
 
 /// Equations that a term may be added to.
 const MAX_EQUATIONS: usize = 6;
@@ -18,6 +22,12 @@ const MAX_EQUATIONS: usize = 6;
 const MAX_TERMS: usize = 4;
 /// Variables of which products are formed.
 const MAX_FACTORS: usize = 6;
+/// Differences of states that a term may depend on.
+const MAX_DIFFERENCES: usize = 4;
+/// Variables that the equation of a measured variable beside states reads at least.
+const LEAST_READ: usize = 2;
+/// Between the two variables of a difference.
+const MINUS: &str = " - ";
 
 /// The equations of a model that may lack a term.
 #[derive(Clone, Debug, Default)]
@@ -25,6 +35,14 @@ pub struct EquationTerms {
     equations: Vec<Equation>,
     /// Variables that a term may depend on.
     variables: Vec<String>,
+    /// Differences of two states, which it may depend on as well.
+    differences: Vec<String>,
+}
+
+/// The two variables of a difference.
+pub fn as_difference(text: &str) -> Option<(&str, &str)> {
+    let is_name = |text: &&str| !text.contains([' ', '*', '/', '+', '^', '(', ')']);
+    text.split_once(MINUS).filter(|(a, b)| [a, b].into_iter().all(is_name))
 }
 
 /// An equation that may lack a term.
@@ -47,11 +65,16 @@ impl EquationTerms {
             |e: &OpenEquation| e.span.file == flat.span.file && !e.reads.iter().any(is_flow);
         let named = |name: &str| flat.variables.enumerate().find(|(_, x)| x.name == name);
         let mut all: Vec<OpenEquation> = rate_equations(flat);
-        // Beside states, the equation of a measured variable says how it is measured.
-        let measured: &[Signal] = if all.is_empty() { &plan.signals } else { &[] };
-        for signal in measured {
+        // Beside states, the equation of a measured variable may only say how it is measured: a scale, or a difference.
+        let has_rates = !all.is_empty();
+        for signal in &plan.signals {
             let explicit = named(&signal.variable).and_then(|(v, _)| explicit_equation(flat, v));
-            all.extend(explicit.filter(|e| !all.iter().any(|known| known.is_same(e))));
+            let is_open = |e: &OpenEquation| {
+                let is_law = !has_rates || e.has_parameter && e.reads.len() >= LEAST_READ;
+                is_law && !all.iter().any(|known| known.is_same(e))
+            };
+            let explicit = explicit.filter(is_open);
+            all.extend(explicit);
         }
         let equation = |e: OpenEquation| {
             let state = match e.determines {
@@ -65,6 +88,7 @@ impl EquationTerms {
         EquationTerms {
             equations: all.into_iter().filter(is_own).take(MAX_EQUATIONS).map(equation).collect(),
             variables: variables.iter().filter(|v| *v != "time").cloned().collect(),
+            differences: differences(flat),
         }
     }
 
@@ -86,7 +110,11 @@ impl EquationTerms {
                 }
                 [_] => match equation.state.as_ref().filter(|_| effect.is_of_state) {
                     Some(state) => out.push(place(&[state.as_str()])),
-                    None => out.extend(self.others(&equation.name).map(|v| place(&[v]))),
+                    None => {
+                        let differences = self.differences.iter().map(String::as_str);
+                        let all = self.others(&equation.name).chain(differences);
+                        out.extend(all.map(|v| place(&[v])));
+                    }
                 },
                 [_, _] => {
                     let factors: Vec<&str> =
@@ -107,9 +135,44 @@ impl EquationTerms {
     }
 }
 
+/// The differences of two states of one unit, unless a variable of the model is one.
+fn differences(flat: &FlatModel) -> Vec<String> {
+    let states = states(flat);
+    let known: Vec<(VarId, VarId)> = flat
+        .variables
+        .enumerate()
+        .filter_map(|(v, _)| {
+            let equation = explicit_equation(flat, v)?;
+            match equation.reads.as_slice() {
+                [a, b] => Some((*a.min(b), *a.max(b))),
+                _ => None,
+            }
+        })
+        .collect();
+    let mut out = Vec::new();
+    for (k, a) in states.iter().enumerate() {
+        for b in &states[k + 1..] {
+            let (x, y) = (&flat.variables[*a], &flat.variables[*b]);
+            if x.unit == y.unit && !known.contains(&(*a, *b)) {
+                out.push(format!("{}{MINUS}{}", x.name, y.name));
+            }
+        }
+    }
+    out.truncate(MAX_DIFFERENCES);
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_difference_has_two_names() {
+        assert_eq!(as_difference("p1 - tank.p"), Some(("p1", "tank.p")));
+        for other in ["p1", "a*w - b", "-(c) - d - e"] {
+            assert_eq!(as_difference(other), None, "{other}");
+        }
+    }
 
     fn effect(inputs: &[&str]) -> Effect {
         Effect {
@@ -130,6 +193,7 @@ mod tests {
             let terms = EquationTerms {
                 equations: vec![equation],
                 variables: ["phi", "w", "F"].map(String::from).to_vec(),
+                differences: vec!["w - w_2".to_owned()],
             };
             let variables = |p: &Place| p.binds.iter().map(|(_, v)| v.clone()).collect();
             terms.places(effect).iter().map(variables).collect()
@@ -137,12 +201,12 @@ mod tests {
         let rate = || equation("der(w)", Some("w"));
         let force = || equation("F", None);
         assert_eq!(bound(rate(), &effect(&[])), [Vec::<String>::new()]);
-        assert_eq!(bound(rate(), &effect(&["x"])), [["phi"], ["w"], ["F"]]);
-        assert_eq!(bound(force(), &effect(&["x"])), [["phi"], ["w"]]);
+        assert_eq!(bound(rate(), &effect(&["x"])), [["phi"], ["w"], ["F"], ["w - w_2"]]);
+        assert_eq!(bound(force(), &effect(&["x"])), [["phi"], ["w"], ["w - w_2"]]);
         assert_eq!(bound(force(), &effect(&["x", "y"])), [["phi", "w"]]);
         let of_state = Effect { is_of_state: true, ..effect(&["x"]) };
         assert_eq!(bound(rate(), &of_state), [["w"]]);
-        assert_eq!(bound(force(), &of_state), [["phi"], ["w"]]);
+        assert_eq!(bound(force(), &of_state), [["phi"], ["w"], ["w - w_2"]]);
         let of_term = Effect { is_of_term: true, ..effect(&["x"]) };
         assert_eq!(bound(rate(), &of_term), [["-c*w"]]);
     }

@@ -6,10 +6,10 @@ use crate::calibrate::data::Split;
 use crate::calibrate::fit::Fit;
 use crate::calibrate::plan::{Free, Plan};
 use crate::calibrate::problem::Problem;
-use crate::calibrate::statistics::standard_errors;
+use crate::calibrate::statistics::{errors_beside, standard_errors};
 use crate::calibrate::sums::Sums;
 
-use super::catalogue::{Amplitude, Start};
+use super::catalogue::{Amplitude, SENSOR_INPUT, Start};
 use super::law_choice::Choice;
 use super::model_source::Attached;
 use super::place::Place;
@@ -68,6 +68,8 @@ pub struct Hypothesis {
     pub values: Vec<f64>,
     /// Their standard errors.
     pub errors: Vec<f64>,
+    /// The same of the parameters of effects, relative to those of the model where nothing determines a common factor.
+    pub errors_beside_model: Vec<f64>,
     /// The fit.
     pub fit: Fit,
     /// The fit was continued until nothing was left to gain.
@@ -101,6 +103,10 @@ impl Hypothesis {
         }
         let values = problem.values(&fit.x);
         let errors = standard_errors(&fit.normal, &problem.parameters, &fit.x);
+        let of_model = |free: &Free| study.plan.free.iter().any(|known| known.name == free.name);
+        let mut is_own: Vec<bool> = plan.free.iter().map(|free| !of_model(free)).collect();
+        is_own.resize(problem.parameters.len(), false);
+        let errors_beside_model = errors_beside(&fit.normal, &problem.parameters, &fit.x, &is_own);
         let train = problem.sums(Split::Train, &fit.x).map_err(|_| DiagnosisError::Simulation)?;
         // A validation recording that cannot be simulated with the fitted values counts against them.
         let validation = problem.sums(Split::Validation, &fit.x).unwrap_or_else(|_| Sums {
@@ -116,6 +122,7 @@ impl Hypothesis {
             plan,
             values,
             errors,
+            errors_beside_model,
             fit,
             is_complete_fit,
             train,
@@ -176,7 +183,10 @@ impl Hypothesis {
     pub fn is_determined(&self, study: &Study) -> bool {
         self.effects.iter().all(|c| {
             let effect = &study.effects[c.effect];
-            let estimate = |a: &Amplitude| self.estimate(&c.full_name(&a.name));
+            let estimate = |a: &Amplitude| {
+                let k = self.position(&c.full_name(&a.name))?;
+                Some((self.values[k], self.errors_beside_model[k]))
+            };
             let mut estimates = effect.amplitudes.iter().filter_map(estimate);
             let describes = effect.is_variation() || effect.formula.is_some();
             let is_known = |(value, error): (f64, f64)| value.abs() > KNOWN * error;
@@ -210,8 +220,13 @@ impl Hypothesis {
 
     /// The fitted value of a parameter of the model, by its full name, and its standard error.
     pub fn estimate(&self, full: &str) -> Option<(f64, f64)> {
-        let k = self.plan.free.iter().position(|f| f.targets.iter().any(|t| t == full))?;
+        let k = self.position(full)?;
         Some((self.values[k], self.errors[k]))
+    }
+
+    /// The position of a parameter among the free ones.
+    fn position(&self, full: &str) -> Option<usize> {
+        self.plan.free.iter().position(|f| f.targets.iter().any(|t| t == full))
     }
 
     /// True if a fitted parameter is at a bound that it may not cross; its error then says nothing.
@@ -344,7 +359,8 @@ fn attach_one(
         if let Some(k) = place.signal {
             // A sensor effect reads the output of the one that is already there.
             let output = std::mem::replace(&mut plan.signals[k].variable, format!("{component}.y"));
-            place.binds.iter_mut().for_each(|(_, variable)| variable.clone_from(&output));
+            let own = place.binds.iter_mut().filter(|(input, _)| input == SENSOR_INPUT);
+            own.for_each(|(_, variable)| variable.clone_from(&output));
         }
         let (effect, fixed) = (scored.effect, scored.shape.clone());
         let name = match component.as_str() {

@@ -5,7 +5,8 @@ use crate::calibrate::plan::Signal;
 use crate::io::json::Json;
 
 use super::balance::Balance;
-use super::catalogue::Effect;
+use super::catalogue::{Effect, PARAMETER};
+use super::equation_terms::as_difference;
 use super::grade::grade;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::next_experiment::{ConditionValue, Gain, NextExperiment};
@@ -224,7 +225,7 @@ fn next(study: &Study, after: &Hypothesis, next: &NextExperiment) -> Json {
 /// What an effect is, by name: its class, or a parameter that varies.
 fn component(effect: &Effect) -> String {
     match effect.varies {
-        Some(_) => "parameter".to_owned(),
+        Some(_) => PARAMETER.to_owned(),
         None => effect.name().to_owned(),
     }
 }
@@ -233,7 +234,14 @@ fn component(effect: &Effect) -> String {
 fn over(effect: &Effect, group: &[ChosenEffect]) -> Vec<String> {
     let is_of_instrument = effect.of_signal || effect.acts.is_some();
     match effect.has_free_inputs() || is_of_instrument {
-        true => group[0].place.binds.iter().map(|(_, variable)| variable.clone()).collect(),
+        true => {
+            let bound = group[0].place.binds.iter().map(|(_, variable)| variable);
+            let names = |variable: &String| match as_difference(variable) {
+                Some((a, b)) => vec![a.to_owned(), b.to_owned()],
+                None => vec![variable.clone()],
+            };
+            bound.flat_map(names).collect()
+        }
         false => effect.over.clone(),
     }
 }

@@ -14,6 +14,10 @@ use super::rank::Candidate;
 use super::score::{Score, full_step, projected, score};
 use super::study::Study;
 
+/// How many times as many steps as usual a run with more candidates than a batch has may take: each adds changes of its own that
+/// are resolved.
+const STEPS_OF_MANY: u64 = 4;
+
 /// A hypothesis and the candidates that may be attached to it.
 pub struct Linearisation<'a> {
     study: &'a Study,
@@ -124,6 +128,9 @@ impl<'a> Linearisation<'a> {
         let mut all = attached(study, &hypothesis.effects);
         let mut plan = hypothesis.plan.clone();
         let free = plan.free.len();
+        if batch.len() > study.policy.batch {
+            plan.allowance = STEPS_OF_MANY;
+        }
         let mut first = vec![None; candidates.len()];
         for i in batch {
             let Candidate { effect, place, shape, .. } = &candidates[*i];

@@ -52,7 +52,7 @@ pub fn html(outcome: &Outcome) -> String {
         }
     }
     for limit in study.limits() {
-        page.add(&format!("<p class=\"note\">{}.</p>\n", escaped(&sentence_case(limit))));
+        page.add(&format!("<p class=\"note\">{}.</p>\n", escaped(&sentence_case(&limit))));
     }
     for line in noise_lines(outcome) {
         page.add(&format!("<p>{}.</p>\n", escaped(&sentence_case(&line))));

@@ -2,11 +2,11 @@
 //! connections.
 
 use crate::base::index::FastSet;
-use crate::calibrate::plan::Plan;
+use crate::calibrate::plan::{Plan, RECORDING_NUMBER};
 use crate::flatten::inventory::{Inventory, InventoryConnector, InventoryPart};
 
 use super::adapter::{Adapter, adapter, is_alike, is_compatible};
-use super::catalogue::Effect;
+use super::catalogue::{Effect, SENSOR_INPUT};
 
 /// A way to attach an effect.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,15 +81,21 @@ const MAX_NODES: usize = 8;
 /// Names of classes with one connector whose potential is that of the surroundings.
 const SURROUNDINGS: [&str; 4] = ["Ambient", "Ground", "FixedTemperature", "PrescribedTemperature"];
 
+/// The name of classes, of this library and of others, that fix a point in space.
+const FIXED: &str = "Fixed";
+
 /// All places for an effect.
 pub fn places(
     effect: &Effect,
     inventory: &Inventory,
     variables: &FastSet<&str>,
-    (plan, inner_signals): (&Plan, &[String]),
+    (plan, inner_signals, conditions): (&Plan, &[String], &[String]),
 ) -> Vec<Place> {
     if effect.of_signal {
-        return signals(plan);
+        return match effect.other_quantity() {
+            Some(input) => cross_talk(input, plan, conditions),
+            None => signals(plan),
+        };
     }
     if effect.acts.is_some() {
         return passages(effect, plan, inner_signals);
@@ -112,7 +118,10 @@ pub fn places(
         }
         _ if !effect.binds.is_empty() => Vec::new(),
         [only] => nodes(only, inventory),
-        [a, b] if a.class == b.class => pairs(a, b, inventory),
+        [a, b] if a.class == b.class => {
+            let fixed = if effect.between_moving { fixed_nodes(a, inventory) } else { Vec::new() };
+            pairs(a, b, inventory, &fixed)
+        }
         _ => Vec::new(),
     }
 }
@@ -152,11 +161,33 @@ pub fn why_nowhere(effect: &Effect, inventory: &Inventory) -> String {
 
 fn signals(plan: &Plan) -> Vec<Place> {
     let place = |(k, s): (usize, &crate::calibrate::plan::Signal)| Place {
-        binds: vec![("u".to_owned(), s.variable.clone())],
+        binds: vec![(SENSOR_INPUT.to_owned(), s.variable.clone())],
         signal: Some(k),
         ..Place::at(std::slice::from_ref(&s.column))
     };
     plan.signals.iter().enumerate().map(place).collect()
+}
+
+/// Every signal with every other quantity that is known: those of the other signals, the inputs that recordings drive, and
+/// conditions.
+fn cross_talk(input: &str, plan: &Plan, conditions: &[String]) -> Vec<Place> {
+    let others: Vec<&String> = plan
+        .signals
+        .iter()
+        .map(|s| &s.variable)
+        .chain(plan.inputs.iter().map(|driven| &driven.input))
+        .chain(conditions.iter().filter(|name| *name != RECORDING_NUMBER))
+        .collect();
+    let with_others = |place: Place| {
+        let own = place.binds[0].1.clone();
+        let another = others.iter().filter(move |name| ***name != own);
+        another.map(move |name| {
+            let mut place = place.clone();
+            place.binds.push((input.to_owned(), (*name).clone()));
+            place
+        })
+    };
+    signals(plan).into_iter().flat_map(with_others).collect()
 }
 
 /// The signals that an actuator may act on: inputs of the model that recordings drive, and signals within it. What must read
@@ -244,17 +275,25 @@ fn nodes(end: &InventoryConnector, inventory: &Inventory) -> Vec<Place> {
 /// Pairs of connection sets that a component with two connectors like those of the effect bridges, and every
 /// volume with the surroundings; in a circuit, every connection set with ground. If several components bridge a
 /// pair, it is named after the one with most connectors: a seal rather than a line. In a model with few volumes, also
-/// every two of them that nothing bridges.
-fn pairs(a: &InventoryConnector, b: &InventoryConnector, inventory: &Inventory) -> Vec<Place> {
+/// every two of them that nothing bridges. None of them is one of the connection sets `without`.
+fn pairs(
+    a: &InventoryConnector,
+    b: &InventoryConnector,
+    inventory: &Inventory,
+    without: &[usize],
+) -> Vec<Place> {
     type End<'a> = (&'a InventoryPart, &'a InventoryConnector);
     let mut parts: Vec<&InventoryPart> =
         inventory.parts.iter().filter(|p| !p.name.is_empty()).collect();
     parts.sort_by_key(|p| std::cmp::Reverse(p.connectors.len()));
     let mut known: Vec<(usize, usize)> = Vec::new();
     let mut out = Vec::new();
+    let is_left_out = |pair: (usize, usize)| {
+        pair.0 == pair.1 || [pair.0, pair.1].iter().any(|node| without.contains(node))
+    };
     let mut add = |at: &InventoryPart, x: End<'_>, y: End<'_>| {
         let pair = (x.1.node.min(y.1.node), x.1.node.max(y.1.node));
-        if pair.0 == pair.1 || known.contains(&pair) {
+        if is_left_out(pair) || known.contains(&pair) {
             return;
         }
         known.push(pair);
@@ -292,7 +331,7 @@ fn pairs(a: &InventoryConnector, b: &InventoryConnector, inventory: &Inventory) 
     for (k, x) in volumes.iter().enumerate() {
         for y in &volumes[k + 1..] {
             let pair = (x.1.node.min(y.1.node), x.1.node.max(y.1.node));
-            if pair.0 != pair.1 && !known.contains(&pair) {
+            if !is_left_out(pair) && !known.contains(&pair) {
                 known.push(pair);
                 let at = [x.0.name.clone(), y.0.name.clone()];
                 out.push(Place { at: at.to_vec(), ..attached(x.0, [(a, *x), (b, *y)]) });
@@ -300,6 +339,12 @@ fn pairs(a: &InventoryConnector, b: &InventoryConnector, inventory: &Inventory) 
         }
     }
     out
+}
+
+/// The connection sets of a point that is fixed in space, among those with connectors like that of an effect.
+fn fixed_nodes(own: &InventoryConnector, inventory: &Inventory) -> Vec<usize> {
+    let is_fixed = |p: &InventoryPart| p.class.rsplit('.').next() == Some(FIXED);
+    ends(inventory, own).filter(|(p, _)| is_fixed(p)).map(|(_, end)| end.node).collect()
 }
 
 /// The place where connectors of an effect meet connectors of the model.

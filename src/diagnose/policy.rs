@@ -14,6 +14,10 @@ pub struct SearchPolicy {
     /// Rules of the fits.
     pub fit: FitPolicy,
 
+    /// The effects that the search is restricted to, by their names with or without the package; `parameter` for those that let
+    /// parameters vary. Default empty: all.
+    pub only: Vec<String>,
+
     /// Reduced sum of the training recordings below which nothing is left to explain. Default 1.03.
     /// Smaller values search for effects in drift and rounding.
     pub resolved_train: f64,
@@ -214,6 +218,7 @@ impl Default for SearchPolicy {
     fn default() -> Self {
         let fit = FitPolicy::default();
         SearchPolicy {
+            only: Vec::new(),
             // Amplitudes start at a promised size, and parameters that a plan leaves unbounded compensate for what is missing:
             // their steps stay short.
             fit: FitPolicy { full: Stopping { by_data: false, ..fit.full }, ..fit },

@@ -4,6 +4,7 @@ use crate::calibrate::data::{Data, Split};
 use crate::calibrate::sums::Sums;
 
 use super::catalogue::Effect;
+use super::equation_terms::as_difference;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::noise::Noise;
 use super::policy::SearchPolicy;
@@ -108,7 +109,9 @@ pub fn sentences(effects: &[Effect], chosen: &[ChosenEffect]) -> Vec<String> {
     let one = |group: &[ChosenEffect]| {
         let at: Vec<&str> =
             group.iter().flat_map(|c| c.place.at.iter().map(String::as_str)).collect();
-        let over: Vec<&str> = group[0].place.binds.iter().map(|(_, v)| v.as_str()).collect();
+        let effect = &effects[group[0].effect];
+        let binds = group[0].place.binds.iter().filter(|(own, _)| effect.is_named_in_law(own));
+        let over: Vec<&str> = binds.map(|(_, v)| v.as_str()).collect();
         let explains = &effects[group[0].effect].explains;
         let sentence = match at.as_slice() {
             [a, b] if group[0].place.is_between() => {
@@ -144,8 +147,9 @@ pub fn estimates(effects: &[Effect], hypothesis: &Hypothesis) -> Vec<(String, f6
 pub fn law(effect: &Effect, chosen: &ChosenEffect) -> String {
     let value = |word: &str| -> Option<String> {
         let bound = chosen.place.binds.iter().find(|(own, _)| own == word);
-        if let Some((_, variable)) = bound.filter(|_| effect.has_free_inputs()) {
-            return Some(variable.clone());
+        if let Some((_, variable)) = bound.filter(|_| effect.is_named_in_law(word)) {
+            let is_difference = as_difference(variable).is_some();
+            return Some(if is_difference { format!("({variable})") } else { variable.clone() });
         }
         let is_fitted = chosen.fitted.iter().any(|name| name == word);
         let fixed = chosen.fixed.iter().find(|(name, _)| name == word && !is_fitted);

@@ -7,7 +7,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::base::diag::Diagnostic;
+use crate::base::diag::{Diagnostic, did_you_mean};
 use crate::base::source::Span;
 use crate::calibrate::memory::Memory;
 use crate::calibrate::observer::{Event, Observer};
@@ -17,7 +17,7 @@ use crate::driver::compile::{CompileError, Session};
 
 use super::amended_model::{AmendedModel, amended};
 use super::balance::{Balance, Profile, balances, contributions};
-use super::catalogue::{Effect, of_folder, unknowns};
+use super::catalogue::{Effect, PARAMETER, of_folder, unknowns};
 use super::cause::CatalogueCause;
 use super::next_experiment::{NextExperiment, next_experiment};
 use super::noise::noise;
@@ -153,6 +153,22 @@ pub fn run(
     })
 }
 
+/// Errors: the search is restricted to effects that do not exist.
+fn refuse_unknown(study: &Study, session: &mut Session) -> Result<(), CompileError> {
+    let is_known = |name: &String| study.effects.iter().any(|effect| effect.is_called(name));
+    let unknown: Vec<&String> = study.policy.only.iter().filter(|name| !is_known(name)).collect();
+    for name in &unknown {
+        let short =
+            |effect: &Effect| effect.name().rsplit('.').next().unwrap_or_default().to_owned();
+        let mut names: Vec<String> = study.effects.iter().map(short).collect();
+        names.push(PARAMETER.to_owned());
+        let near = did_you_mean(name, names.iter().map(String::as_str)).map(str::to_owned);
+        let cause = CatalogueCause::UnknownEffect { name: (*name).clone(), near };
+        session.problems.push(Diagnostic::new(cause, Span::NONE));
+    }
+    if unknown.is_empty() { Ok(()) } else { Err(CompileError::Request) }
+}
+
 /// Reads and checks everything before the search: the study, and the unknown inflows for balances.
 fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effect>), RunError> {
     let folder = request.data.as_deref();
@@ -169,6 +185,7 @@ fn prepare(request: &Request, session: &mut Session) -> Result<(Study, Vec<Effec
     let unknowns = unknowns(session, &Study::packages(&compiled, &own));
     let policy = request.policy.clone();
     let mut study = Study::new(session, (compiled, &own), (&flat, inventory), (plan, data), policy);
+    refuse_unknown(&study, session)?;
     session.drive(&mut flat, &recorded)?;
     let mut program = session.compile_flat(flat, form)?;
     record_signals(&mut program, &study.plan);

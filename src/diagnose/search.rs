@@ -223,7 +223,7 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
         pairwise_selection(search, &mut diagnosis);
     }
     match second {
-        Some(second) if second.total_criterion() < diagnosis.after.total_criterion() => {
+        Some(second) if is_better_everywhere(&second, &diagnosis.after) => {
             let replaced = accept(search, &mut diagnosis, second);
             diagnosis.rejected.push(replaced);
         }
@@ -278,6 +278,12 @@ fn add_second(search: &Search<'_>, diagnosis: &mut Diagnosis) -> Option<Hypothes
         return None;
     }
     Some(extended.after)
+}
+
+/// True if a hypothesis explains the recordings together better than another, and those that were never fitted too.
+fn is_better_everywhere(hypothesis: &Hypothesis, other: &Hypothesis) -> bool {
+    hypothesis.total_criterion() < other.total_criterion()
+        && hypothesis.validation.total() < other.validation.total()
 }
 
 /// True for a single parameter that varies along a free curve, if that leaves nothing to explain: a formula then says more

@@ -48,7 +48,7 @@ pub fn compare_siblings(search: &Search<'_>, diagnosis: &mut Diagnosis) {
 fn siblings(search: &Search<'_>, diagnosis: &Diagnosis, k: usize) -> Vec<Hypothesis> {
     let (study, after) = (search.study, &diagnosis.after);
     let own = match groups(&after.effects).nth(k) {
-        Some([own]) if is_law(study, own.effect) => own.clone(),
+        Some([own]) if is_law(study, own.effect) || is_formula(study, own.effect) => own.clone(),
         _ => return Vec::new(),
     };
     let rest = without(study, after, std::slice::from_ref(&own.name), &mut |p| not_fitted(p));
@@ -76,6 +76,11 @@ fn siblings(search: &Search<'_>, diagnosis: &Diagnosis, k: usize) -> Vec<Hypothe
 fn is_law(study: &Study, effect: usize) -> bool {
     let own = &study.effects[effect];
     study.is_named(effect) && own.choice.is_none() && own.starts.is_none() && own.formula.is_none()
+}
+
+/// True for a formula in the place of a free curve.
+fn is_formula(study: &Study, effect: usize) -> bool {
+    study.effects[effect].formula.is_some()
 }
 
 /// True for the same place, and no variables but those of the other.

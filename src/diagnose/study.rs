@@ -12,7 +12,7 @@ use crate::ir::flat::{Experiment, FlatModel};
 use crate::ir::program::Program;
 
 use super::catalogue::{Effect, Packages, catalogue};
-use super::equation_terms::EquationTerms;
+use super::equation_terms::{EquationTerms, as_difference};
 use super::finer_curve::finer_curves;
 use super::fixed_value::{self, FixedValue, fixed_starts, fixed_values};
 use super::formula::formulas;
@@ -161,11 +161,15 @@ impl Study {
     }
 
     /// What the search cannot look at in this model, as sentences without a full stop.
-    pub fn limits(&self) -> impl Iterator<Item = &'static str> {
+    pub fn limits(&self) -> impl Iterator<Item = String> {
         let connectors = self.inventory.parts.iter().flat_map(|part| &part.connectors);
         let has_streams = connectors.into_iter().any(|connector| connector.has_streams);
         let inside = self.plan.fmu.is_some().then_some(INSIDE);
-        inside.into_iter().chain(has_streams.then_some(STREAMS))
+        let of_model = inside.into_iter().chain(has_streams.then_some(STREAMS)).map(str::to_owned);
+        let only = &self.policy.only;
+        let asked =
+            (!only.is_empty()).then(|| format!("the search was restricted to {}", only.join(", ")));
+        of_model.chain(asked)
     }
 
     /// True for a variable that the plan compares.
@@ -176,24 +180,33 @@ impl Study {
 
     /// The unit of a variable of the model; empty if it has none.
     pub fn unit(&self, variable: &str) -> &str {
+        let variable = as_difference(variable).map_or(variable, |(first, _)| first);
         self.units.get(variable).map_or("", String::as_str)
     }
 
     /// An effect and its place, for messages.
     pub fn label(&self, effect: usize, place: &Place) -> String {
         let (effect, at) = (&self.effects[effect], place.at.join(", "));
-        let over: Vec<&str> = match effect.has_free_inputs() {
-            true => place.binds.iter().map(|(_, variable)| variable.as_str()).collect(),
-            false => Vec::new(),
-        };
+        let is_named = |(input, _): &&(String, String)| effect.is_named_in_law(input);
+        let over = place.binds.iter().filter(is_named);
+        let over: Vec<&str> = over.map(|(_, variable)| variable.as_str()).collect();
         match over.is_empty() {
             true => format!("{} at {at}", effect.name()),
             false => format!("{} at {at} over {}", effect.name(), over.join(", ")),
         }
     }
 
+    /// True for an effect that the search is not restricted from.
+    fn is_searched(&self, effect: &Effect) -> bool {
+        let only = &self.policy.only;
+        only.is_empty() || effect.inflow.is_some() || only.iter().any(|name| effect.is_called(name))
+    }
+
     /// All places for an effect in the model that a plan fits.
     pub fn places(&self, effect: &Effect, plan: &Plan) -> Vec<Place> {
+        if !self.is_searched(effect) {
+            return Vec::new();
+        }
         if let Some(choice) = effect.choice.as_ref().filter(|c| c.is_of_model()) {
             return vec![Place::at(&choice.at)];
         }
@@ -207,7 +220,8 @@ impl Study {
             return all;
         }
         let names: FastSet<&str> = self.variables.iter().map(String::as_str).collect();
-        places(effect, &self.inventory, &names, (plan, &self.inner_signals))
+        let conditions = &self.variations.conditions;
+        places(effect, &self.inventory, &names, (plan, &self.inner_signals, conditions))
     }
 
     /// All places for an effect whose inputs are bound to any variables.
@@ -229,7 +243,9 @@ impl Study {
         };
         // Where nothing has a unit, an angle is what has a speed of its own.
         let may_be_angle = |(input, variable): &(String, String)| {
-            unit(effect, input) != "rad" || self.angles.contains(variable)
+            let (first, second) = as_difference(variable).unwrap_or((variable, variable));
+            let are_angles = [first, second].iter().all(|name| self.angles.contains(*name));
+            unit(effect, input) != "rad" || are_angles
         };
         match has_units {
             true => place.binds.iter().all(fits),

@@ -463,32 +463,64 @@ fn recordings_are_repaired_and_idle_parameters_borne() {
     assert_eq!(found["repairs"].as_array().map(Vec::len), Some(9), "{}", found["repairs"]);
 }
 
-/// SIGINT ends the search after its step; what was found is written and marked.
+/// SIGINT and SIGTERM end the search after its step; what was found is written and marked.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_diagnosis_writes_what_it_has() {
     use std::process::{Command, Stdio};
     use std::time::Duration;
 
-    let scratch = Scratch::new();
-    let plan = format!("{}/examples/valve32.toml", env!("CARGO_MANIFEST_DIR"));
-    let mut command = Command::new(env!("CARGO_BIN_EXE_mocc"));
-    command.current_dir(scratch.path()).args(["diagnose", &plan, "--out", "out"]);
-    let running = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
-    let running = running.expect("mocc starts");
-    // The folder is made after the handler.
-    while !scratch.path().join("out").exists() {
-        std::thread::sleep(Duration::from_millis(2));
+    for signal in ["-INT", "-TERM"] {
+        let scratch = Scratch::new();
+        let plan = format!("{}/examples/valve32.toml", env!("CARGO_MANIFEST_DIR"));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_mocc"));
+        command.current_dir(scratch.path()).args(["diagnose", &plan, "--out", "out"]);
+        let running = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+        let running = running.expect("mocc starts");
+        // The folder is made after the handler.
+        while !scratch.path().join("out").exists() {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        std::thread::sleep(Duration::from_millis(50));
+        let pid = running.id().to_string();
+        let sent = Command::new("kill").args([signal, &pid]).status().expect("kill is there");
+        assert!(sent.success());
+        let ended = running.wait_with_output().expect("an end");
+        assert_eq!(ended.status.code(), Some(130), "{}", String::from_utf8_lossy(&ended.stderr));
+        let text =
+            std::fs::read_to_string(scratch.path().join("out/diagnosis.json")).expect("a file");
+        let found: Value = serde_json::from_str(&text).expect("JSON");
+        assert_eq!(found["complete"], false);
     }
-    std::thread::sleep(Duration::from_millis(50));
-    let pid = running.id().to_string();
-    let sent = Command::new("kill").args(["-INT", &pid]).status().expect("kill is there");
-    assert!(sent.success());
-    let ended = running.wait_with_output().expect("an end");
-    assert_eq!(ended.status.code(), Some(130), "{}", String::from_utf8_lossy(&ended.stderr));
-    let text = std::fs::read_to_string(scratch.path().join("out/diagnosis.json")).expect("a file");
-    let found: Value = serde_json::from_str(&text).expect("JSON");
-    assert_eq!(found["complete"], false);
+}
+
+/// Restricted to some effects, the search finds the best of these, and names none that does not exist.
+#[test]
+fn a_search_may_be_restricted() {
+    let scratch = study("d = {}", "d = {}", |_, v| -0.9 * v.abs() * v);
+    let diagnose = |only: &str| {
+        mocc(scratch.path(), &["diagnose", "plan.toml", "--out", "out", "--only", only])
+    };
+    let found = |only: &str| -> Value {
+        let ended = diagnose(only);
+        assert_eq!(ended.status, 0, "{}", ended.err);
+        assert!(ended.out.contains(&format!("restricted to {only}")), "{}", ended.out);
+        let text = std::fs::read_to_string(scratch.path().join("out/diagnosis.json"));
+        serde_json::from_str(&text.expect("a file")).expect("JSON")
+    };
+    let of_drag = found("QuadraticDrag");
+    assert_eq!(of_drag["effects"][0]["component"], "Effects.QuadraticDrag", "{of_drag:#}");
+    let of_parameters = found("parameter");
+    let effects = of_parameters["effects"].as_array().expect("a list");
+    assert!(effects.iter().all(|e| e["component"] == "parameter"), "{of_parameters:#}");
+    let ended = diagnose("QuadraticDrga");
+    assert_eq!(ended.status, 2);
+    assert!(
+        ended.err.contains("error[MO1023]: there is no effect `QuadraticDrga`"),
+        "{}",
+        ended.err
+    );
+    assert!(ended.err.contains("did you mean `QuadraticDrag`?"), "{}", ended.err);
 }
 
 /// A catalogue of the user's own: the effect is one more model with an annotation.

@@ -205,6 +205,31 @@ fn smoothed_dry_friction_is_found() {
     assert_found(&found, &scratch, "Effects.SmoothBearingFriction", "rotor", &values);
 }
 
+/// A leak between two tanks is a term of both equations over the difference of the levels, which has no name.
+#[test]
+fn an_exchange_between_two_states_is_found() {
+    let study = Study {
+        model: "tanks",
+        truth: "tanks_truth",
+        conditions: &[("h_0", &[2.0, 4.0, 1.0, 3.0])],
+        signals: &[("h_1", "1", 0.005), ("h_2", "1", 0.005)],
+        free: &["c"],
+        inputs: &[],
+    };
+    let (found, _scratch) = study.diagnose();
+    let effects = found["effects"].as_array().expect("a list");
+    assert_eq!((&found["verdict"], effects.len()), (&"effect_found".into(), 2), "{found:#}");
+    for effect in effects {
+        assert_eq!(effect["component"], "Effects.LinearTerm");
+        assert_eq!(effect["law"], "a (h_1 - h_2)");
+        assert_eq!(effect["over"], serde_json::json!(["h_1", "h_2"]));
+        let parameters = effect["parameters"].as_object().expect("an object");
+        let a = parameters.values().next().and_then(|p| p["value"].as_f64()).expect("a number");
+        let expected = if effect["at"][0] == "der(h_1)" { -0.01 } else { 0.01 };
+        assert!((a - expected).abs() < 2e-4, "{effect:#}");
+    }
+}
+
 /// Connectors with other names, whose units tell what they are.
 #[test]
 fn a_diode_is_found_in_a_circuit_with_connectors_of_its_own() {

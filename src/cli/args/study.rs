@@ -85,6 +85,9 @@ pub struct Diagnose {
     /// Folder with further effects, in addition to the shipped ones.
     #[arg(long, value_name = "DIR")]
     pub effects: Option<PathBuf>,
+    /// Search among these effects alone, by name; `parameter` for parameters that vary; repeatable.
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub only: Vec<String>,
     /// Write measured and simulated values, before and after, as a table for each recording.
     #[arg(long)]
     pub tables: bool,

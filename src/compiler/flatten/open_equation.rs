@@ -24,6 +24,8 @@ pub struct OpenEquation {
     pub determines: Determined,
     /// The variables that it reads, without parameters.
     pub reads: Vec<VarId>,
+    /// It reads a parameter.
+    pub has_parameter: bool,
     /// Place of the equation.
     pub span: Span,
     /// It has a rate on the side opposite of what it determines, or determines one.
@@ -153,7 +155,15 @@ pub fn rate_equations(flat: &FlatModel) -> Vec<OpenEquation> {
             let is_left = is_positive(left).unwrap_or_else(|| !is_positive(right).unwrap_or(false));
             let determines = Determined::Rate(state);
             let has_rate = true;
-            found.push(OpenEquation { determines, reads, span, at, is_left, has_rate });
+            found.push(OpenEquation {
+                determines,
+                reads,
+                has_parameter,
+                span,
+                at,
+                is_left,
+                has_rate,
+            });
         }
     }
     found
@@ -178,12 +188,21 @@ pub fn explicit_equation(flat: &FlatModel, v: VarId) -> Option<OpenEquation> {
     let is_plain = |e| matches!(flat.graph.node(e), Node::Var(_) | Node::Der(_) | Node::Const(_));
     let open = bound.into_iter().chain(with(true)).chain(with(false)).filter_map(|found| {
         let (at, other, span, is_left) = found;
-        let reads: Vec<VarId> =
-            flat.graph.variables(other).into_iter().filter(is_variable).collect();
+        let (reads, parameters): (Vec<VarId>, Vec<VarId>) =
+            flat.graph.variables(other).into_iter().partition(is_variable);
+        let has_parameter = !parameters.is_empty();
         let determines = Determined::Variable(v);
         let has_rate = has_rate(other);
         let is_open = !is_plain(other) && !reads.is_empty();
-        is_open.then_some(OpenEquation { determines, reads, span, at, is_left, has_rate })
+        is_open.then_some(OpenEquation {
+            determines,
+            reads,
+            has_parameter,
+            span,
+            at,
+            is_left,
+            has_rate,
+        })
     });
     open.min_by_key(|e| e.has_rate)
 }

@@ -656,3 +656,29 @@ equation
   40*der(T) = R*i^2 - 0.5*T;
   annotation(experiment(StopTime = 600, Interval = 2));
 end Truth;
+
+//@ case tanks
+//@ used by diagnose_domains.rs
+model Tanks "Two tanks that empty by themselves"
+  parameter Real h_0 = 2;
+  parameter Real c = 0.03 "Inflow";
+  Real h_1(start = h_0, fixed = true);
+  Real h_2(start = 0.1, fixed = true);
+equation
+  der(h_1) = c - 0.02*h_1;
+  der(h_2) = 0.5*c - 0.03*h_2;
+  annotation(experiment(StopTime = 80, Interval = 0.5));
+end Tanks;
+
+//@ case tanks_truth
+//@ used by diagnose_domains.rs
+model Truth "A wall that leaks"
+  parameter Real h_0 = 2;
+  Real leak = 0.01*(h_1 - h_2);
+  Real h_1(start = h_0, fixed = true);
+  Real h_2(start = 0.1, fixed = true);
+equation
+  der(h_1) = 0.04 - 0.02*h_1 - leak;
+  der(h_2) = 0.02 - 0.03*h_2 + leak;
+  annotation(experiment(StopTime = 80, Interval = 0.5));
+end Truth;
