@@ -221,8 +221,8 @@ def calibrate(
     be durations or dates. `table` takes the place of
     the plan's table of recordings, and `folder` is that of files.
     `profiles=False` takes confidence intervals from standard errors alone, which is faster.
-    With a number as `starts`, so many fits begin at different points: the first where the plan starts, the others in a Latin hypercube
-    over the parameters that have a `min` and a `max`, which `seed` decides; the best one counts.
+    With a number as `starts`, so many fits begin at different points: the first where the plan starts, the others in a
+    Latin hypercube over the parameters that have a `min` and a `max`, which `seed` decides; the best one counts.
     `executor` is any `concurrent.futures.Executor`, whose workers do the fits from these starts, and the runs of the
     recordings and their derivatives; the result is the same.
     `progress=True` shows a bar where tqdm is installed; a function is called with lines of text.

@@ -46,21 +46,10 @@ impl Statistics {
         let n = parameters.len();
         let at_bound = at_bound(normal, parameters, x);
         let free: Vec<usize> = (0..n).filter(|i| !at_bound[*i]).collect();
-        let all: Vec<usize> = (0..n).collect();
         // What is determined is decided in parts of the values: one that began at zero may have grown far beyond its size.
         let units: Vec<f64> = parameters.iter().zip(x).map(|(p, x)| unit(p, *x)).collect();
         let scaled = &in_units(normal, &units);
-        let unscaled = |mut covariance: Vec<f64>| {
-            covariance.iter_mut().enumerate().for_each(|(k, c)| *c *= units[k % n] * units[k / n]);
-            covariance
-        };
-        let covariance = unscaled(covariance(scaled, &free));
-        // A parameter at its bound has no variance beside the others; its error is that of the whole system.
-        let whole = unscaled(self::covariance(scaled, &all));
-        let spreads: Vec<f64> = (0..n)
-            .map(|i| if at_bound[i] { whole[i + n * i] } else { covariance[i + n * i] })
-            .map(f64::sqrt)
-            .collect();
+        let (covariance, spreads) = spreads(scaled, &units, &at_bound, &|_, _| true);
         let values = parameters.iter().zip(x).map(|(p, x)| p.scale.slope(p.scale.value(*x)));
         let errors = values.zip(&spreads).map(|(slope, s)| slope.abs() * s).collect();
         let wide = |(s, unit): (&f64, &f64)| (s / unit).powi(2) > 1.0 / DETERMINED;
@@ -108,17 +97,38 @@ pub fn errors_beside(
     x: &[f64],
     is_own: &[bool],
 ) -> Vec<f64> {
-    let n = parameters.len();
     let units: Vec<f64> = parameters.iter().zip(x).map(|(p, x)| unit(p, *x)).collect();
-    let all: Vec<usize> = (0..n).collect();
-    let mut determined = directions(&in_units(normal, &units), &all);
-    determined.retain(|(value, v)| {
+    let concerns_own = |value: f64, v: &[f64]| {
         let own = v.iter().zip(is_own).filter(|(_, is_own)| **is_own);
-        *value >= DETERMINED || own.map(|(v, _)| v * v).sum::<f64>() > CONCERNS
-    });
-    let covariance = inverse(n, &determined, &all);
-    let slope = |i: usize| parameters[i].scale.slope(parameters[i].scale.value(x[i])).abs();
-    (0..n).map(|i| slope(i) * units[i] * covariance[i + n * i].sqrt()).collect()
+        value >= DETERMINED || own.map(|(v, _)| v * v).sum::<f64>() > CONCERNS
+    };
+    let at_bound = at_bound(normal, parameters, x);
+    let (_, spreads) = spreads(&in_units(normal, &units), &units, &at_bound, &concerns_own);
+    let slopes = parameters.iter().zip(x).map(|(p, x)| p.scale.slope(p.scale.value(*x)));
+    slopes.zip(spreads).map(|(slope, spread)| slope.abs() * spread).collect()
+}
+
+/// Covariance and spreads in the coordinates of the search, from the directions that `counts` admits.
+fn spreads(
+    scaled: &NormalEquations,
+    units: &[f64],
+    at_bound: &[bool],
+    counts: &dyn Fn(f64, &[f64]) -> bool,
+) -> (Vec<f64>, Vec<f64>) {
+    let n = units.len();
+    let covariance = |of: Vec<usize>| {
+        let mut directions = directions(scaled, &of);
+        directions.retain(|(value, v)| counts(*value, v));
+        let mut covariance = inverse(n, &directions, &of);
+        covariance.iter_mut().enumerate().for_each(|(k, c)| *c *= units[k % n] * units[k / n]);
+        covariance
+    };
+    let free = covariance((0..n).filter(|i| !at_bound[*i]).collect());
+    // A parameter at its bound has no variance beside the others; its error is that of the whole system.
+    let whole = covariance((0..n).collect());
+    let variance = |i: usize| if at_bound[i] { whole[i + n * i] } else { free[i + n * i] };
+    let spreads = (0..n).map(|i| variance(i).sqrt()).collect();
+    (free, spreads)
 }
 
 /// Sum of squares by degree of freedom: near one if the model explains the data to their noise.
@@ -169,10 +179,6 @@ fn directions(normal: &NormalEquations, of: &[usize]) -> Vec<(f64, Vec<f64>)> {
         all
     };
     eigen::symmetric(m, &part).into_iter().map(|(value, v)| (value, padded(v))).collect()
-}
-
-fn covariance(normal: &NormalEquations, of: &[usize]) -> Vec<f64> {
-    inverse(normal.n, &directions(normal, of), of)
 }
 
 /// The inverse of the normal equations of some of `n` parameters, of their eigenvalues and vectors.
@@ -338,6 +344,10 @@ mod tests {
         assert!(standard_errors(&ratios, &all, &x)[3].is_infinite());
         assert!(errors[3] < 0.1, "{errors:?}");
         assert!(errors_beside(&replaced, &all, &x, &is_own)[3] > 100.0);
+        // Where the other one is held at its bound, nothing is left that the effect replaces.
+        let held = [1.5, 1.5, all[2].range().0, 1.5];
+        replaced.gradient[2] = 1.0;
+        assert!(errors_beside(&replaced, &all, &held, &is_own)[3] < 0.1);
     }
 
     /// One of two correlated parameters at its bound: the other is as certain as without it.

@@ -7,10 +7,11 @@
 //!
 //! A term may also depend on the difference of two states of one unit, as an exchange between them does.
 
+use crate::base::index::FastSet;
 use crate::calibrate::plan::Plan;
 use crate::flatten::open_equation::{Determined, OpenEquation, explicit_equation, rate_equations};
-use crate::ir::expr::VarId;
-use crate::ir::flat::FlatModel;
+use crate::ir::expr::{Binary, ExprId, Node, VarId};
+use crate::ir::flat::{EquationKind, FlatModel};
 
 use super::catalogue::Effect;
 use super::place::Place;
@@ -135,31 +136,31 @@ impl EquationTerms {
     }
 }
 
-/// The differences of two states of one unit, unless a variable of the model is one.
+/// The first differences of two states of one unit, unless a variable of the model is one.
 fn differences(flat: &FlatModel) -> Vec<String> {
     let states = states(flat);
-    let known: Vec<(VarId, VarId)> = flat
-        .variables
-        .enumerate()
-        .filter_map(|(v, _)| {
-            let equation = explicit_equation(flat, v)?;
-            match equation.reads.as_slice() {
-                [a, b] => Some((*a.min(b), *a.max(b))),
-                _ => None,
-            }
-        })
-        .collect();
-    let mut out = Vec::new();
-    for (k, a) in states.iter().enumerate() {
-        for b in &states[k + 1..] {
-            let (x, y) = (&flat.variables[*a], &flat.variables[*b]);
-            if x.unit == y.unit && !known.contains(&(*a, *b)) {
-                out.push(format!("{}{MINUS}{}", x.name, y.name));
-            }
+    let difference = |e: ExprId| {
+        let Node::Binary(Binary::Sub, a, b) = flat.graph.node(e) else { return None };
+        match (flat.graph.node(a), flat.graph.node(b)) {
+            (Node::Var(a), Node::Var(b)) => Some((a.min(b), a.max(b))),
+            _ => None,
         }
-    }
-    out.truncate(MAX_DIFFERENCES);
-    out
+    };
+    let sides = flat.equations.iter().filter_map(|equation| match equation.kind {
+        EquationKind::Equal(left, right) => Some([left, right]),
+        _ => None,
+    });
+    let bindings = flat.variables.iter().filter_map(|v| v.binding);
+    let named: FastSet<(VarId, VarId)> =
+        sides.flatten().chain(bindings).filter_map(difference).collect();
+    let pairs =
+        states.iter().enumerate().flat_map(|(k, a)| states[k + 1..].iter().map(move |b| (*a, *b)));
+    pairs
+        .map(|(a, b)| ((a, b), (&flat.variables[a], &flat.variables[b])))
+        .filter(|(pair, (x, y))| x.unit == y.unit && !named.contains(pair))
+        .map(|(_, (x, y))| format!("{}{MINUS}{}", x.name, y.name))
+        .take(MAX_DIFFERENCES)
+        .collect()
 }
 
 #[cfg(test)]

@@ -209,14 +209,20 @@ impl ClassGraph<'_> {
         element: Name,
         found: &mut Vec<Layer>,
     ) {
-        for (modification, written_in) in clauses {
-            let layer = Layer {
-                source: LayerSource::Whole(modification.clone()),
-                scope: self.modification_scope(*written_in, instance),
-                subscripts: self.no_sizes.clone(),
-            };
-            layer.child(element, found);
-        }
+        self.clause_layers(clauses, instance).for_each(|layer| layer.child(element, found));
+    }
+
+    /// What extends clauses modify in an instance, outermost first.
+    pub(crate) fn clause_layers(
+        &self,
+        clauses: &[(Arc<ast::Modification>, ClassId)],
+        instance: InstanceId,
+    ) -> impl Iterator<Item = Layer> {
+        clauses.iter().map(move |(modification, written_in)| Layer {
+            source: LayerSource::Whole(modification.clone()),
+            scope: self.modification_scope(*written_in, instance),
+            subscripts: self.no_sizes.clone(),
+        })
     }
 
     /// The scope around a class: where its base is looked up if it is a short class.

@@ -317,15 +317,7 @@ fn child_instance(
     let own = Scope { instance: parent, class: entry.class };
     let mut layers = Vec::new();
     let outer = cx.instances[parent].layers.clone();
-    let inherited: Vec<Layer> = entry
-        .layers
-        .iter()
-        .map(|(modification, class)| Layer {
-            source: LayerSource::Whole(modification.clone()),
-            scope: cx.modification_scope(*class, parent),
-            subscripts: cx.no_sizes.clone(),
-        })
-        .collect();
+    let inherited: Vec<Layer> = cx.clause_layers(&entry.layers, parent).collect();
     let mut scope = own;
     let mut declared = declaration.clone();
     // In a chain of redeclarations the outermost one counts; the others contribute their
