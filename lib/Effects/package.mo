@@ -43,7 +43,7 @@ package Effects "Physical effects that a model may lack"
   // model is then extended by an adapter.
   //
   // A block Sensor... has no connector: it converts the simulated value u to the reading y. A further input is bound to each
-  // other quantity that is known: what other sensors measure, inputs that are recorded, conditions.
+  // other quantity that is known during a run: what other sensors measure, and inputs that are recorded.
   // `explains` is the sentence that a diagnosis reports; %at is the location and %over the variable that a parameter
   // varies with or a term depends on. `law` is the effect's formula.
   //

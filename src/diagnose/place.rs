@@ -2,7 +2,7 @@
 //! connections.
 
 use crate::base::index::FastSet;
-use crate::calibrate::plan::{Plan, RECORDING_NUMBER};
+use crate::calibrate::plan::Plan;
 use crate::flatten::inventory::{Inventory, InventoryConnector, InventoryPart};
 
 use super::adapter::{Adapter, adapter, is_alike, is_compatible};
@@ -89,11 +89,11 @@ pub fn places(
     effect: &Effect,
     inventory: &Inventory,
     variables: &FastSet<&str>,
-    (plan, inner_signals, conditions): (&Plan, &[String], &[String]),
+    (plan, inner_signals): (&Plan, &[String]),
 ) -> Vec<Place> {
     if effect.of_signal {
         return match effect.other_quantity() {
-            Some(input) => cross_talk(input, plan, conditions),
+            Some(input) => cross_talk(input, plan),
             None => signals(plan),
         };
     }
@@ -168,15 +168,14 @@ fn signals(plan: &Plan) -> Vec<Place> {
     plan.signals.iter().enumerate().map(place).collect()
 }
 
-/// Every signal with every other quantity that is known: those of the other signals, the inputs that recordings drive, and
-/// conditions.
-fn cross_talk(input: &str, plan: &Plan, conditions: &[String]) -> Vec<Place> {
+/// Every signal with every other quantity that is known during a run: those of the other signals, and the inputs that
+/// recordings drive. An offset for each condition would describe any few recordings.
+fn cross_talk(input: &str, plan: &Plan) -> Vec<Place> {
     let others: Vec<&String> = plan
         .signals
         .iter()
         .map(|s| &s.variable)
         .chain(plan.inputs.iter().map(|driven| &driven.input))
-        .chain(conditions.iter().filter(|name| *name != RECORDING_NUMBER))
         .collect();
     let with_others = |place: Place| {
         let own = place.binds[0].1.clone();

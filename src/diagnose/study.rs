@@ -220,8 +220,7 @@ impl Study {
             return all;
         }
         let names: FastSet<&str> = self.variables.iter().map(String::as_str).collect();
-        let conditions = &self.variations.conditions;
-        places(effect, &self.inventory, &names, (plan, &self.inner_signals, conditions))
+        places(effect, &self.inventory, &names, (plan, &self.inner_signals))
     }
 
     /// All places for an effect whose inputs are bound to any variables.
