@@ -10,7 +10,7 @@ use crate::evaluate::cause::builtin::BuiltinCause;
 use crate::evaluate::demand::Demand;
 use crate::ir::ast::{self, Expr};
 use crate::ir::clock::ClockOperator;
-use crate::ir::expr::{Const, ExprId, Type, VarId};
+use crate::ir::expr::{Const, ExprId, Node, Type, VarId};
 use crate::ir::flat::{Assert, EquationKind, Transition};
 use crate::ir::instance::{InstanceKind, Scope};
 
@@ -46,15 +46,18 @@ pub(super) fn when(
     let before = target.list().len();
     expand_all(cx, body, scope, target);
     let added = target.list().split_off(before);
+    // An inferred clock has no name by which the equations could belong to the same partition.
+    let link = added.iter().find_map(|equation| assigned(cx, target, &equation.kind));
+    let clock: Vec<ExprId> = [clock].into_iter().chain(link).collect();
     for mut equation in added {
         match &mut equation.kind {
             EquationKind::Equal(_, value)
             | EquationKind::Assert(Assert { condition: value, .. }) => {
-                *value = at(cx, *value, clock);
+                *value = at(cx, *value, &clock);
             }
             EquationKind::Algorithm { values, .. } => {
                 for value in values {
-                    *value = at(cx, *value, clock);
+                    *value = at(cx, *value, &clock);
                 }
             }
             EquationKind::When(_) => {
@@ -68,12 +71,30 @@ pub(super) fn when(
     Some(Some(()))
 }
 
-fn at(cx: &mut Evaluator<'_>, value: ExprId, clock: ExprId) -> ExprId {
+/// The first variable that an equation of a when-clause gives a value.
+fn assigned(
+    cx: &mut Evaluator<'_>,
+    target: &Target<'_>,
+    equation: &EquationKind,
+) -> Option<ExprId> {
+    match equation {
+        EquationKind::Equal(lhs, _) => matches!(cx.graph.node(*lhs), Node::Var(_)).then_some(*lhs),
+        EquationKind::Algorithm { outputs, .. } => {
+            let v = *outputs.first()?;
+            let ty = target.flat.variables[v].ty;
+            Some(cx.graph.var(v, ty))
+        }
+        EquationKind::Assert(_) | EquationKind::When(_) => None,
+    }
+}
+
+fn at(cx: &mut Evaluator<'_>, value: ExprId, clock: &[ExprId]) -> ExprId {
     let ty = cx.graph.ty(value);
     if ty == Type::Clock {
         return value;
     }
-    cx.graph.clocked(ClockOperator::At, &[value, clock], ty)
+    let operands: Vec<ExprId> = [value].into_iter().chain(clock.iter().copied()).collect();
+    cx.graph.clocked(ClockOperator::At, &operands, ty)
 }
 
 /// `initialState(state)`

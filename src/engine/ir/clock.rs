@@ -38,7 +38,8 @@ pub enum ClockOperator {
     FirstTick,
     /// `interval()` or `interval(u)`
     Elapsed,
-    /// `(u, clock)`: the value `u` in an equation of a clocked when-clause.
+    /// `(u, clock)` or `(u, clock, x)`: the value `u` in an equation of a clocked when-clause, of which another
+    /// equation gives the value of `x`.
     At,
     /// `activeState(state)`; the name of the state is a literal.
     ActiveState,

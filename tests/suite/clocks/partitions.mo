@@ -194,3 +194,19 @@ algorithm
 end Algorithms;
 //@ expect n at 0.1, 0.3, 0.6 = 2, 6, 12
 //@ expect twice at 0.6 = 24
+
+//@ case equations_of_one_clause
+//@ run stop=1 interval=0.05
+// `uu = u` alone says at which clock the other equation of the clause is evaluated.
+model Toggle
+  Real u, uu;
+  Boolean on(start = false), held;
+equation
+  u = sample(time, Clock(2, 10));
+  when Clock() then
+    uu = u;
+    on = not previous(on);
+  end when;
+  held = hold(on);
+end Toggle;
+//@ expect held at 0.1, 0.3, 0.5, 0.7 = 1, 0, 1, 0
