@@ -342,6 +342,7 @@ impl Stand {
             plan: self.study.plan.clone(),
             values: Vec::new(),
             errors: Vec::new(),
+            covariance: Vec::new(),
             errors_beside_model: Vec::new(),
             fit: Fit {
                 x: Vec::new(),

@@ -117,6 +117,11 @@ impl Form {
         self.terms.iter().any(|t| [FALL.modelica, COSINE_LESS_ONE.modelica].contains(&t.modelica))
     }
 
+    /// The form that this one generalizes by one more shape parameter, its last, and the value of that in the special form.
+    pub fn special(&self) -> Option<(&'static str, f64)> {
+        self.terms.iter().any(|t| t.modelica == HINGE_POWER.modelica).then_some(("Hinge", 1.0))
+    }
+
     /// It equals another form where the variable has only one sign.
     pub fn needs_both_signs(&self) -> bool {
         let of_magnitude = [MAGNITUDE.modelica, EVEN_POWER.modelica, EVEN_HYPERBOLA.modelica];
@@ -264,6 +269,11 @@ const HINGE: Term = Term {
     shown: "max(0, {u} - centre)",
     value: |u, p| (u - p[0]).max(0.0),
 };
+const HINGE_POWER: Term = Term {
+    modelica: "noEvent(if {u} > centre then ({u} - centre)^exponent else 0)",
+    shown: "max(0, {u} - centre)^exponent",
+    value: |u, p| if u > p[0] { (u - p[0]).powf(p[1]) } else { 0.0 },
+};
 const DEAD_BAND: Term = Term {
     modelica: "noEvent({u} - max(-edge, min(edge, {u})))",
     shown: "({u} - max(-edge, min(edge, {u})))",
@@ -286,6 +296,8 @@ const EXPONENT: Shape = Shape {
     range: (0.3, 10.0),
     keeps_sign: false,
 };
+const HINGE_EXPONENT: Shape =
+    Shape { name: "exponent", starts: &[1.0], range: (0.3, 10.0), keeps_sign: false };
 const SCALE: Shape = Shape {
     name: "width",
     starts: &[0.05, 0.1, 0.2, 0.4, 0.8, 1.6, -0.05, -0.1, -0.2, -0.4, -0.8, -1.6],
@@ -391,6 +403,12 @@ static FORMS: &[Form] = &[
         is_zero_at_zero: false,
     },
     Form { name: "Hinge", terms: &[HINGE], shapes: &[CENTRE], is_zero_at_zero: false },
+    Form {
+        name: "HingePower",
+        terms: &[HINGE_POWER],
+        shapes: &[CENTRE, HINGE_EXPONENT],
+        is_zero_at_zero: false,
+    },
     Form { name: "OffsetHinge", terms: &[ONE, HINGE], shapes: &[CENTRE], is_zero_at_zero: false },
     Form {
         name: "TwoHinges",

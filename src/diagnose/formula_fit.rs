@@ -12,10 +12,11 @@ use crate::numeric::least_squares::NormalEquations;
 use crate::numeric::linear::DenseLu;
 
 use super::catalogue::Effect;
+use super::curve_points::{Points, covariance, points_on_curve};
 use super::finer_curve::with_finer_knots;
 use super::formula::{Form, FreeCurve, middle_name, scale_name};
 use super::hypothesis::{ChosenEffect, Hypothesis, RANGE, component_name};
-use super::regrid::ends;
+use super::regrid::{ends, moved_range};
 use super::result::Diagnosis;
 use super::revise::accept_instead;
 use super::search::Search;
@@ -72,8 +73,9 @@ pub fn formula_instead(
         let formula = e.formula.as_ref().filter(|f| f.curve == own)?;
         Some((effect, formula.form)).filter(|(_, form)| is_curve || form.bends_line())
     });
-    let mut candidates: Vec<Candidate> =
-        forms.filter_map(|(effect, form)| knots.fitted(effect, form)).collect();
+    let (general, forms): (Vec<_>, Vec<_>) = forms.partition(|(_, form)| form.special().is_some());
+    let fitted = forms.into_iter().filter_map(|(effect, form)| knots.fitted(effect, form));
+    let mut candidates: Vec<Candidate> = fitted.collect();
     candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
     let mut best = finer.clone().filter(|finer| finer.is_determined(study));
     for candidate in candidates.iter().take(search.policy().fitted_formulas) {
@@ -81,19 +83,33 @@ pub fn formula_instead(
             break;
         }
         let fitted = candidate.hypothesis(search, hypothesis, k, curve, &knots);
-        let Some(fitted) = fitted else { continue };
-        let (train, validation) = (fitted.chi2_train(), fitted.chi2_validation());
-        search.note(&format!(
-            "formula {}: {train:.4}, validation {validation:.4}",
-            fitted.effects[k].name
-        ));
-        let criterion = fitted.total_criterion();
-        let is_better = best.as_ref().is_none_or(|b| criterion < b.total_criterion());
-        if is_better && fitted.is_determined(study) {
-            best = Some(fitted);
+        best = better_formula(search, k, best, fitted);
+    }
+    // A general form is fitted from its special one: the curve shows an exponent beyond a place less clearly than the place.
+    for (effect, form) in general {
+        let Some(special) = best.as_ref() else { break };
+        if let Some(candidate) = Candidate::from_special(study, special, k, effect, form) {
+            let fitted = candidate.hypothesis(search, special, k, curve, &knots);
+            best = better_formula(search, k, best, fitted);
         }
     }
     best
+}
+
+/// The better of two hypotheses with formulas in the place of effect `k`, of which the recordings have to determine the second.
+fn better_formula(
+    search: &Search<'_>,
+    k: usize,
+    best: Option<Hypothesis>,
+    fitted: Option<Hypothesis>,
+) -> Option<Hypothesis> {
+    let Some(fitted) = fitted else { return best };
+    let (train, validation) = (fitted.chi2_train(), fitted.chi2_validation());
+    let name = &fitted.effects[k].name;
+    search.note(&format!("formula {name}: {train:.4}, validation {validation:.4}"));
+    let criterion = fitted.total_criterion();
+    let is_better = best.as_ref().is_none_or(|b| criterion < b.total_criterion());
+    if is_better && fitted.is_determined(search.study) { Some(fitted) } else { best }
 }
 
 /// The free curve that formulas stand for in the place of an effect, and its position in the catalogue: the effect itself
@@ -121,8 +137,8 @@ pub fn has_formulas(study: &Study, effect: usize) -> bool {
 struct Knots {
     x: Vec<f64>,
     y: Vec<f64>,
-    /// One over the standard error of each value.
-    weights: Vec<f64>,
+    /// What turns the errors of the values into independent ones of size 1, row by row; zero above the diagonal.
+    whitening: Vec<f64>,
     /// Other parameters of the model take a share of the curve, which is taken to be proportional to its variable.
     is_shared: bool,
     /// The curve multiplies a parameter, which a constant part belongs to.
@@ -157,11 +173,13 @@ impl Knots {
         let (slope, _) = hypothesis.estimate(&chosen.full_name(&amplitude.name))?;
         let (low, high) = ends(&chosen.fixed, curve)?;
         let places = curve.places(POINTS_ON_LINE, (low, high));
-        let on_line = |x: &f64| (*x, slope * (x - low) / (high - low), 0.0);
-        Knots::through(places.iter().map(on_line).collect(), curve, (low, high), false)
+        let on_line = |x: &f64| (*x, slope * (x - low) / (high - low));
+        let points = Points { at: places.iter().map(on_line).collect(), covariance: Vec::new() };
+        Knots::through(points, curve, (low, high), false)
     }
 
-    /// The knots of a curve that are determined, or all if none is; `None` if fewer than three.
+    /// The knots of a curve that are determined, or all if none is; `None` if fewer than three. If the variable covers
+    /// another range with the curve than without, points of the curve within that range.
     fn of(
         search: &Search<'_>,
         hypothesis: &Hypothesis,
@@ -170,37 +188,48 @@ impl Knots {
     ) -> Option<Knots> {
         let effect = &search.study.effects[chosen.effect];
         let (low, high) = ends(&chosen.fixed, curve)?;
+        if !curve.is_zero_at_zero
+            && let Some(range) = moved_range(search, hypothesis, chosen, curve)
+        {
+            let points = points_on_curve(search.study, hypothesis, chosen, curve, range)?;
+            return Knots::through(points, curve, range, false);
+        }
         let places = curve.places(effect.amplitudes.len(), (low, high));
         let estimates =
             effect.amplitudes.iter().map(|a| hypothesis.estimate(&chosen.full_name(&a.name)));
-        let known: Vec<(f64, f64, f64)> = places
+        let known: Vec<(f64, (f64, f64), &str)> = places
             .into_iter()
             .zip(estimates)
-            .filter_map(|(x, estimate)| estimate.map(|(y, error)| (x, y, error)))
+            .zip(&effect.amplitudes)
+            .filter_map(|((x, estimate), a)| Some((x, estimate?, a.name.as_str())))
             .collect();
         // Where other parameters take a share of the whole curve, no value has an error, and all count the same.
-        let determined: Vec<_> = known.iter().copied().filter(|k| k.2.is_finite()).collect();
-        let is_shared = determined.is_empty();
-        let known = if is_shared {
-            known.into_iter().map(|(x, y, _)| (x, y, 0.0)).collect()
-        } else {
-            determined
-        };
-        Knots::through(known, curve, (low, high), is_shared)
+        let is_shared = known.iter().all(|(_, (_, error), _)| !error.is_finite());
+        let (mut at, mut names) = (Vec::new(), Vec::new());
+        for (x, (y, _), name) in known.iter().filter(|k| is_shared || k.1.1.is_finite()) {
+            at.push((*x, *y));
+            names.push(*name);
+        }
+        let covariance =
+            if is_shared { Vec::new() } else { covariance(hypothesis, chosen, &names) };
+        let mut points = Points { at, covariance };
+        if curve.is_anchored
+            && let Some(fixed) = curve.fixed_point(low)
+        {
+            points.add_known(fixed);
+        }
+        Knots::through(points, curve, (low, high), is_shared)
     }
 
-    /// Points of a curve, each with its standard error; `None` if fewer than three.
+    /// Points of a curve; `None` if fewer than three.
     fn through(
-        mut known: Vec<(f64, f64, f64)>,
+        points: Points,
         curve: &FreeCurve,
         (low, high): (f64, f64),
         is_shared: bool,
     ) -> Option<Knots> {
-        if curve.is_anchored {
-            known.extend(curve.fixed_point(low).map(|(x, y)| (x, y, 0.0)));
-        }
-        let greatest = known.iter().map(|(_, y, _)| y.abs()).fold(0.0, f64::max);
-        if known.len() < 3 || greatest == 0.0 || high <= low {
+        let greatest = points.at.iter().map(|(_, y)| y.abs()).fold(0.0, f64::max);
+        if points.at.len() < 3 || greatest == 0.0 || high <= low {
             return None;
         }
         let middle = if curve.is_centred() { rounded(0.5 * (low + high)) } else { 0.0 };
@@ -209,11 +238,10 @@ impl Knots {
             low.abs().min(high.abs()) < 0.5 * low.abs().max(high.abs()) || low * high <= 0.0;
         let middle = if near_zero { 0.0 } else { middle };
         let scale = rounded((low - middle).abs().max((high - middle).abs()));
-        let weight = |(.., error): &(f64, f64, f64)| 1.0 / error.max(LEAST_ERROR * greatest);
         Some(Knots {
-            weights: known.iter().map(weight).collect(),
-            x: known.iter().map(|k| k.0).collect(),
-            y: known.iter().map(|k| k.1).collect(),
+            whitening: points.whitening(LEAST_ERROR * greatest),
+            x: points.at.iter().map(|k| k.0).collect(),
+            y: points.at.iter().map(|k| k.1).collect(),
             is_shared,
             is_anchored: curve.is_anchored,
             middle,
@@ -249,20 +277,28 @@ impl Knots {
         Some(refined_shapes(best?, &candidate))
     }
 
+    /// What the value at a place is multiplied from: each term of a form, then the constant part and the shared line if there
+    /// are any.
+    fn row(&self, form: &Form, shapes: &[f64], x: f64) -> Vec<f64> {
+        let u = (x - self.middle) / self.scale;
+        let terms = form.terms.iter().map(|t| (t.value)(u, shapes));
+        let constant = self.is_anchored.then_some(1.0);
+        terms.chain(constant).chain(self.is_shared.then_some(u)).collect()
+    }
+
     /// The amplitudes of least squares for given shapes, the constant part, and the weighted sum of squares that is left.
     fn amplitudes(&self, form: &Form, shapes: &[f64]) -> Option<(Vec<f64>, f64, f64)> {
         let n = form.terms.len() + usize::from(self.is_shared) + usize::from(self.is_anchored);
         let mut normal = NormalEquations::new(n);
-        for ((x, y), weight) in self.x.iter().zip(&self.y).zip(&self.weights) {
-            let u = (x - self.middle) / self.scale;
-            let share = self
-                .is_anchored
-                .then_some(*weight)
-                .into_iter()
-                .chain(self.is_shared.then_some(u * weight));
-            let terms = form.terms.iter().map(|t| (t.value)(u, shapes) * weight);
-            let slopes: Vec<f64> = terms.chain(share).collect();
-            normal.add(-y * weight, &slopes);
+        let rows: Vec<Vec<f64>> = self.x.iter().map(|x| self.row(form, shapes, *x)).collect();
+        let points = self.x.len();
+        for k in 0..points {
+            let weights = &self.whitening[k * points..k * points + k + 1];
+            let sum = |of: &dyn Fn(usize) -> f64| -> f64 {
+                weights.iter().enumerate().map(|(j, w)| w * of(j)).sum()
+            };
+            let slopes: Vec<f64> = (0..n).map(|c| sum(&|j| rows[j][c])).collect();
+            normal.add(-sum(&|j| self.y[j]), &slopes);
         }
         if !normal.is_finite() {
             return None;
@@ -294,6 +330,33 @@ struct Candidate {
 }
 
 impl Candidate {
+    /// A general form that equals the fitted special form in the place of effect `k`; `None` if that is another one.
+    fn from_special(
+        study: &Study,
+        special: &Hypothesis,
+        k: usize,
+        effect: usize,
+        form: &'static Form,
+    ) -> Option<Candidate> {
+        let chosen = &special.effects[k];
+        let own = study.effects[chosen.effect].formula.as_ref()?.form;
+        let (name, added) = form.special()?;
+        if own.name != name {
+            return None;
+        }
+        let value = |name: &str| Some(special.estimate(&chosen.full_name(name))?.0);
+        let amplitudes = &study.effects[chosen.effect].amplitudes;
+        let shapes = own.shapes.iter().map(|s| value(s.name));
+        Some(Candidate {
+            effect,
+            form,
+            amplitudes: amplitudes.iter().map(|a| value(&a.name)).collect::<Option<_>>()?,
+            constant: 0.0,
+            shapes: shapes.chain([Some(added)]).collect::<Option<_>>()?,
+            criterion: 0.0,
+        })
+    }
+
     /// The other one, if it describes the knots noticeably better.
     fn or_better(self, other: Option<Candidate>) -> Candidate {
         match other {
@@ -434,11 +497,16 @@ mod tests {
     use super::super::formula::formulas;
     use super::*;
 
+    /// The whitening of `n` values with independent errors of 0.01.
+    fn independent(n: usize) -> Vec<f64> {
+        Points { at: vec![(0.0, 0.0); n], covariance: Vec::new() }.whitening(0.01)
+    }
+
     fn knots(f: impl Fn(f64) -> f64) -> Knots {
         let x: Vec<f64> = (0..8).map(|k| 0.25 * f64::from(k)).collect();
         let y: Vec<f64> = x.iter().map(|x| f(*x)).collect();
         Knots {
-            weights: vec![100.0; 8],
+            whitening: independent(8),
             x,
             y,
             is_shared: false,
@@ -491,7 +559,7 @@ mod tests {
             let mut both = knots(|_| 0.0);
             both.x = (-4..=4).map(|k| 0.5 * f64::from(k)).collect();
             both.y = both.x.iter().map(|x| f(*x)).collect();
-            both.weights = vec![100.0; both.x.len()];
+            both.whitening = independent(both.x.len());
             let curve = FreeCurve { from: Some("a".into()), ..FreeCurve::default() };
             let effect = Effect { curve: Some(curve), ..Effect::default() };
             let fit = |e: &Effect| both.fitted(0, e.formula.as_ref()?.form);

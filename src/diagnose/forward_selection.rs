@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::candidate_fit::CandidateFits;
 use super::formula_fit::{allowance, formula_instead, has_formulas};
+use super::held_amplitude::with_held_amplitudes;
 use super::hypothesis::Hypothesis;
 use super::preference::{ends_with_curve, ends_with_variation};
 use super::preliminary_fit::with_preliminary_fits;
@@ -48,7 +49,11 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
             left.retain(|s| !proposals.iter().any(|p| p[0].is_same(s)));
             let from = &diagnosis.after;
             let mut hypotheses = CandidateFits::new(search, from, &proposals, depth).run();
+            hold_undetermined(search, from, &mut hypotheses);
             with_formulas(search, &mut hypotheses);
+            if let Some(ranking) = diagnosis.rankings.last() {
+                with_simpler_formula(search, from, ranking, depth, &mut hypotheses);
+            }
             let supported = |h: &Hypothesis| {
                 let is_notable = h.train.total() < total - notable;
                 h.is_supported_over(from, search.study)
@@ -68,6 +73,17 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
         if !accepted {
             break;
         }
+    }
+}
+
+/// Holds the amplitudes of earlier effects that nothing determines any more in the best hypothesis, if that describes the
+/// recordings better.
+fn hold_undetermined(search: &Search<'_>, from: &Hypothesis, hypotheses: &mut [Hypothesis]) {
+    let Some(best) = hypotheses.first_mut() else { return };
+    let is_better = best.total_criterion() < from.total_criterion() - search.policy().evidence
+        && best.chi2_validation() < from.chi2_validation();
+    if is_better && let Some(held) = with_held_amplitudes(search, from, best) {
+        *best = held;
     }
 }
 
@@ -104,6 +120,45 @@ fn with_formulas(search: &Search<'_>, hypotheses: &mut Vec<Hypothesis>) {
         hypotheses.insert(place, formula);
     }
 }
+
+/// Adds a formula before the best hypothesis if that leaves nothing to explain, but by a law of so many parameters that it
+/// may imitate another one: the formula of the free curve elsewhere which promised more, if that has fewer parameters and
+/// describes the recordings better.
+fn with_simpler_formula(
+    search: &Search<'_>,
+    from: &Hypothesis,
+    ranking: &[Scored],
+    depth: usize,
+    hypotheses: &mut Vec<Hypothesis>,
+) {
+    let study = search.study;
+    let Some(best) = hypotheses.first() else { return };
+    let [first @ .., last] = best.effects.as_slice() else { return };
+    let is_alone = first.len() == from.effects.len();
+    let is_many = last.fitted.len() >= MANY_PARAMETERS && !has_formulas(study, last.effect);
+    if !is_alone || !is_many || !best.is_resolved(search.policy()) || !search.may_continue() {
+        return;
+    }
+    let own = ranking.iter().find(|s| s.effect == last.effect && s.place == last.place);
+    let promised = own.map_or(f64::INFINITY, |s| s.gain);
+    let is_curve = |s: &&Scored| study.is_curve(s.effect) && has_formulas(study, s.effect);
+    let promises_more = |s: &&Scored| s.gain > promised && s.place.at != last.place.at;
+    let Some(curve) = ranking.iter().find(is_curve).filter(promises_more) else { return };
+    let fitted = CandidateFits::new(search, from, &[vec![curve.clone()]], depth).run();
+    let k = best.effects.len() - 1;
+    let describes_more = |h: &&Hypothesis| h.train.total() < best.train.total();
+    let fitted = fitted.first().filter(describes_more);
+    let formula = fitted.and_then(|h| formula_instead(search, h, k));
+    let is_simpler = |h: &Hypothesis| {
+        h.values.len() < best.values.len() && h.total_criterion() < best.total_criterion()
+    };
+    if let Some(formula) = formula.filter(is_simpler) {
+        hypotheses.insert(0, formula);
+    }
+}
+
+/// Fitted parameters from which on a law may imitate another one.
+const MANY_PARAMETERS: usize = 3;
 
 /// Batches of proposals that are fitted until one is supported.
 const BATCHES_OF_PROPOSALS: usize = 2;

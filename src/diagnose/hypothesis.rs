@@ -6,7 +6,7 @@ use crate::calibrate::data::Split;
 use crate::calibrate::fit::Fit;
 use crate::calibrate::plan::{Free, Plan};
 use crate::calibrate::problem::Problem;
-use crate::calibrate::statistics::{errors_beside, standard_errors};
+use crate::calibrate::statistics::{Statistics, errors_beside};
 use crate::calibrate::sums::Sums;
 
 use super::catalogue::{Amplitude, SENSOR_INPUT, Start};
@@ -68,6 +68,8 @@ pub struct Hypothesis {
     pub values: Vec<f64>,
     /// Their standard errors.
     pub errors: Vec<f64>,
+    /// Their covariance, row by row; zero in the rows of those at a bound.
+    pub covariance: Vec<f64>,
     /// The same of the parameters of effects, relative to those of the model where nothing determines a common factor.
     pub errors_beside_model: Vec<f64>,
     /// The fit.
@@ -102,7 +104,9 @@ impl Hypothesis {
             study.most_steps.get_or_init(|| policy.steps_factor * steps + policy.further_steps);
         }
         let values = problem.values(&fit.x);
-        let errors = standard_errors(&fit.normal, &problem.parameters, &fit.x);
+        let statistics = Statistics::new(&fit.normal, &problem.parameters, &fit.x);
+        let covariance = statistics.covariance_of(&problem.parameters, &values);
+        let errors = statistics.errors;
         let of_model = |free: &Free| study.plan.free.iter().any(|known| known.name == free.name);
         let mut is_own: Vec<bool> = plan.free.iter().map(|free| !of_model(free)).collect();
         is_own.resize(problem.parameters.len(), false);
@@ -122,6 +126,7 @@ impl Hypothesis {
             plan,
             values,
             errors,
+            covariance,
             errors_beside_model,
             fit,
             is_complete_fit,
@@ -183,10 +188,7 @@ impl Hypothesis {
     pub fn is_determined(&self, study: &Study) -> bool {
         self.effects.iter().all(|c| {
             let effect = &study.effects[c.effect];
-            let estimate = |a: &Amplitude| {
-                let k = self.position(&c.full_name(&a.name))?;
-                Some((self.values[k], self.errors_beside_model[k]))
-            };
+            let estimate = |a: &Amplitude| self.estimate_beside_model(&c.full_name(&a.name));
             let mut estimates = effect.amplitudes.iter().filter_map(estimate);
             let describes = effect.is_variation() || effect.formula.is_some();
             let is_known = |(value, error): (f64, f64)| value.abs() > KNOWN * error;
@@ -222,6 +224,18 @@ impl Hypothesis {
     pub fn estimate(&self, full: &str) -> Option<(f64, f64)> {
         let k = self.position(full)?;
         Some((self.values[k], self.errors[k]))
+    }
+
+    /// The same with the error relative to the model, where nothing determines a common factor.
+    pub fn estimate_beside_model(&self, full: &str) -> Option<(f64, f64)> {
+        let k = self.position(full)?;
+        Some((self.values[k], self.errors_beside_model[k]))
+    }
+
+    /// The covariance of two fitted parameters of the model, by their full names.
+    pub fn covariance_of(&self, one: &str, other: &str) -> Option<f64> {
+        let (i, j) = (self.position(one)?, self.position(other)?);
+        self.covariance.get(i * self.values.len() + j).copied()
     }
 
     /// The position of a parameter among the free ones.

@@ -18,18 +18,8 @@ pub fn regridded(search: &Search<'_>, hypothesis: &Hypothesis) -> Option<Hypothe
     let chosen = hypothesis.effects.last()?;
     let effect = &study.effects[chosen.effect];
     let curve = effect.curve.as_ref()?;
-    let found = ranges(study, hypothesis, &[(chosen.effect, chosen.place.clone())]);
-    if found.is_empty() {
-        return None;
-    }
-    let shapes = shapes_at(study, &found, chosen.effect, &chosen.place)?;
-    let shape = shapes.into_iter().next()?;
-    let (old, new) = (ends(&chosen.fixed, curve)?, ends(&shape, curve)?);
-    let limit = MOVED * (new.1 - new.0).abs();
-    let stays = (old.0 - new.0).abs() <= limit && (old.1 - new.1).abs() <= limit;
-    if stays || new.1 <= new.0 {
-        return None;
-    }
+    let shape = shape_of_moved(search, hypothesis, chosen, curve)?;
+    let new = ends(&shape, curve)?;
     let n = effect.amplitudes.len();
     let known = fitted_points(hypothesis, chosen, effect, curve)?;
     let anchor = if curve.is_anchored { interpolated(&known, new.0) } else { 0.0 };
@@ -46,6 +36,37 @@ pub fn regridded(search: &Search<'_>, hypothesis: &Hypothesis) -> Option<Hypothe
         }
     }
     Some(moved)
+}
+
+/// The shape parameters of a free curve for the range that its variable covers now; `None` if it hardly differs from that of
+/// the knots, or if it is not known.
+fn shape_of_moved(
+    search: &Search<'_>,
+    hypothesis: &Hypothesis,
+    chosen: &ChosenEffect,
+    curve: &FreeCurve,
+) -> Option<Vec<(String, f64)>> {
+    let study = search.study;
+    let found = ranges(study, hypothesis, &[(chosen.effect, chosen.place.clone())]);
+    if found.is_empty() {
+        return None;
+    }
+    let shapes = shapes_at(study, &found, chosen.effect, &chosen.place)?;
+    let shape = shapes.into_iter().next()?;
+    let (old, new) = (ends(&chosen.fixed, curve)?, ends(&shape, curve)?);
+    let limit = MOVED * (new.1 - new.0).abs();
+    let stays = (old.0 - new.0).abs() <= limit && (old.1 - new.1).abs() <= limit;
+    (!stays && new.1 > new.0).then_some(shape)
+}
+
+/// The range that the variable of a free curve covers now, if it differs from that of the knots.
+pub(super) fn moved_range(
+    search: &Search<'_>,
+    hypothesis: &Hypothesis,
+    chosen: &ChosenEffect,
+    curve: &FreeCurve,
+) -> Option<(f64, f64)> {
+    ends(&shape_of_moved(search, hypothesis, chosen, curve)?, curve)
 }
 
 /// The first and the last knot of a curve with these shape parameters.
