@@ -16,7 +16,7 @@ equation
   term = -F*z;
 
   annotation(__mocc(
-    effect   = "adds=term; of=state; amplitude=F>0; delta=1e-5*span(moved)",
+    effect   = "adds=term; of=speed; amplitude=F>0; delta=1e-5*span(moved)",
     law      = "-F sign(x)",
     explains = "The equation of %at lacks dry friction: a term of constant size against the motion."));
 end DryTerm;

@@ -12,7 +12,7 @@ equation
   term = -F*tanh(x/x_0);
 
   annotation(__mocc(
-    effect   = "adds=term; of=state; amplitude=F>0; x_0=0.002*span(x),0.02*span(x),0.1*span(x)",
+    effect   = "adds=term; of=speed; amplitude=F>0; x_0=0.002*span(x),0.02*span(x),0.1*span(x)",
     law      = "-F tanh(x/x_0)",
     explains = "The equation of %at lacks dry friction that vanishes smoothly at rest."));
 end SmoothDryTerm;

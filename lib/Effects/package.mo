@@ -32,6 +32,7 @@ package Effects "Physical effects that a model may lack"
   //                         state or a measured variable. The inputs of the effect are bound to variables of the model of
   //                         their units; an input without a unit, to any
   //   of=state              the input is bound to that state only; of a measured variable, to any
+  //   of=speed              the same, if it has the unit of a speed or none
   //   of=term               the input is bound to each term that the equation has
   //   acts=y                equations of the model read this variable of the effect in place of a signal, to which the
   //                         first input of the effect is bound: an input of the model, an output of a component, or a

@@ -60,6 +60,8 @@ pub struct Effect {
     pub adds: Option<String>,
     /// Of such a term: its input is the state whose rate the equation determines.
     pub is_of_state: bool,
+    /// Of such a term: it resists a motion, so its input may be a speed.
+    pub is_of_speed: bool,
     /// Of such a term: its input is a term that the equation has.
     pub is_of_term: bool,
     /// Of an effect that moves the start of a state: the parameter that is added to it.
@@ -471,6 +473,9 @@ fn read(class: &str, text: &str, role: Role) -> Result<Effect, String> {
             "between" if value.trim() == "moving" => effect.between_moving = true,
             "series" => effect.in_series = value.trim() == "true",
             "of" if value.trim() == "state" => effect.is_of_state = true,
+            "of" if value.trim() == "speed" => {
+                (effect.is_of_state, effect.is_of_speed) = (true, true);
+            }
             "of" if value.trim() == "term" => effect.is_of_term = true,
             "over" => effect.over = items.map(str::to_owned).collect(),
             shape => {

@@ -4,6 +4,7 @@
 //! they lack is a term: of every equation in the model's own source that determines the rate of a state or, in a model
 //! without states, is solved for a measured variable, unless it already has the flow of a connector. Beside states, the
 //! equation of a measured variable is among them if it is a law as well: if it reads parameters and several variables.
+//! So is that of a variable which several rates read, such as the torque between two bodies.
 //!
 //! A term may also depend on the difference of two states of one unit, as an exchange between them does.
 
@@ -12,6 +13,8 @@ use crate::calibrate::plan::Plan;
 use crate::flatten::open_equation::{Determined, OpenEquation, explicit_equation, rate_equations};
 use crate::ir::expr::{Binary, ExprId, Node, VarId};
 use crate::ir::flat::{EquationKind, FlatModel};
+use crate::units::dimension::Dimension;
+use crate::units::unit::Unit;
 
 use super::catalogue::Effect;
 use super::place::Place;
@@ -38,6 +41,8 @@ pub struct EquationTerms {
     variables: Vec<String>,
     /// Differences of two states, which it may depend on as well.
     differences: Vec<String>,
+    /// Variables and differences with a unit that is not one of a speed.
+    no_speeds: FastSet<String>,
 }
 
 /// The two variables of a difference.
@@ -65,6 +70,10 @@ impl EquationTerms {
         let is_own =
             |e: &OpenEquation| e.span.file == flat.span.file && !e.reads.iter().any(is_flow);
         let named = |name: &str| flat.variables.enumerate().find(|(_, x)| x.name == name);
+        // The equations around an FMU only pass its signals on.
+        if plan.fmu.is_some() {
+            return EquationTerms::default();
+        }
         let mut all: Vec<OpenEquation> = rate_equations(flat);
         // Beside states, the equation of a measured variable may only say how it is measured: a scale, or a difference.
         let has_rates = !all.is_empty();
@@ -77,6 +86,14 @@ impl EquationTerms {
             let explicit = explicit.filter(is_open);
             all.extend(explicit);
         }
+        // What several rates read may lack a term that a single one of them cannot have: what one body gains, another loses.
+        let shared = shared_variables(&all);
+        let laws = shared.into_iter().filter_map(|v| explicit_equation(flat, v));
+        let is_open = |e: &OpenEquation| {
+            e.has_parameter && !e.has_rate && !all.iter().any(|known| known.is_same(e))
+        };
+        let laws: Vec<OpenEquation> = laws.filter(is_open).collect();
+        all.extend(laws);
         let equation = |e: OpenEquation| {
             let state = match e.determines {
                 Determined::Rate(state) => Some(&flat.variables[state]),
@@ -86,10 +103,20 @@ impl EquationTerms {
             terms.truncate(MAX_TERMS);
             Equation { name: e.name(flat), state: state.map(|x| x.name.clone()), terms }
         };
+        let differences = differences(flat);
+        let of_first =
+            |d: &String| as_difference(d).and_then(|(a, _)| named(a)).map(|(_, x)| (d.clone(), x));
+        let all_named = flat.variables.iter().map(|x| (x.name.clone(), x));
+        let no_speeds = all_named
+            .chain(differences.iter().filter_map(of_first))
+            .filter(|(_, x)| !may_be_speed(&x.unit))
+            .map(|(name, _)| name)
+            .collect();
         EquationTerms {
             equations: all.into_iter().filter(is_own).take(MAX_EQUATIONS).map(equation).collect(),
             variables: variables.iter().filter(|v| *v != "time").cloned().collect(),
-            differences: differences(flat),
+            differences,
+            no_speeds,
         }
     }
 
@@ -104,17 +131,21 @@ impl EquationTerms {
                 let is_explicit = equation.state.is_none();
                 Place { binds, is_explicit, ..Place::at(std::slice::from_ref(&equation.name)) }
             };
+            let fits = |v: &&str| !effect.is_of_speed || !self.no_speeds.contains(*v);
             match inputs.as_slice() {
                 [] => out.push(place(&[])),
                 [_] if effect.is_of_term => {
                     out.extend(equation.terms.iter().map(|term| place(&[term.as_str()])));
                 }
                 [_] => match equation.state.as_ref().filter(|_| effect.is_of_state) {
-                    Some(state) => out.push(place(&[state.as_str()])),
+                    Some(state) => {
+                        let own = Some(state.as_str()).filter(fits);
+                        out.extend(own.map(|state| place(&[state])));
+                    }
                     None => {
                         let differences = self.differences.iter().map(String::as_str);
                         let all = self.others(&equation.name).chain(differences);
-                        out.extend(all.map(|v| place(&[v])));
+                        out.extend(all.filter(fits).map(|v| place(&[v])));
                     }
                 },
                 [_, _] => {
@@ -134,6 +165,24 @@ impl EquationTerms {
     fn others<'a>(&'a self, solved_for: &'a str) -> impl Iterator<Item = &'a str> {
         self.variables.iter().map(String::as_str).filter(move |name| *name != solved_for)
     }
+}
+
+/// The variables that at least two of the equations of rates read, in order.
+fn shared_variables(equations: &[OpenEquation]) -> Vec<VarId> {
+    let of_rates = equations.iter().filter(|e| matches!(e.determines, Determined::Rate(_)));
+    let mut read: Vec<VarId> = of_rates.flat_map(|e| e.reads.iter().copied()).collect();
+    read.sort_unstable();
+    let mut shared: Vec<VarId> = read.windows(2).filter(|w| w[0] == w[1]).map(|w| w[0]).collect();
+    shared.dedup();
+    shared
+}
+
+/// True for the unit of a speed, and for none.
+fn may_be_speed(unit: &str) -> bool {
+    let linear = Dimension::new([0, 1, -1, 0, 0, 0, 0]);
+    let angular = Dimension::ONE.over(Dimension::TIME);
+    let is_undeclared = ["", "1"].contains(&unit);
+    is_undeclared || Unit::of(unit).is_none_or(|u| [linear, angular].contains(&u.dimension))
 }
 
 /// The first differences of two states of one unit, unless a variable of the model is one.
@@ -168,6 +217,13 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_speed_has_its_unit_or_none() {
+        let all = ["m/s", "rad/s", "rev/min", "mm/s", "km/h", "", "1"];
+        assert!(all.into_iter().all(may_be_speed));
+        assert!(!["kg", "K", "mol/m3", "A", "m", "rad", "m3/s"].into_iter().any(may_be_speed));
+    }
+
+    #[test]
     fn a_difference_has_two_names() {
         assert_eq!(as_difference("p1 - tank.p"), Some(("p1", "tank.p")));
         for other in ["p1", "a*w - b", "-(c) - d - e"] {
@@ -195,6 +251,7 @@ mod tests {
                 equations: vec![equation],
                 variables: ["phi", "w", "F"].map(String::from).to_vec(),
                 differences: vec!["w - w_2".to_owned()],
+                no_speeds: FastSet::from_iter(["F".to_owned()]),
             };
             let variables = |p: &Place| p.binds.iter().map(|(_, v)| v.clone()).collect();
             terms.places(effect).iter().map(variables).collect()
@@ -208,6 +265,9 @@ mod tests {
         let of_state = Effect { is_of_state: true, ..effect(&["x"]) };
         assert_eq!(bound(rate(), &of_state), [["w"]]);
         assert_eq!(bound(force(), &of_state), [["phi"], ["w"], ["w - w_2"]]);
+        let of_speed = Effect { is_of_speed: true, ..of_state };
+        assert_eq!(bound(rate(), &of_speed), [["w"]]);
+        assert_eq!(bound(equation("der(F)", Some("F")), &of_speed), Vec::<Vec<String>>::new());
         let of_term = Effect { is_of_term: true, ..effect(&["x"]) };
         assert_eq!(bound(rate(), &of_term), [["-c*w"]]);
     }

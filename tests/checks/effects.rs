@@ -193,7 +193,7 @@ fn annotations_name_existing_elements() {
             let names = names.strip_prefix("with ").unwrap_or(names);
             match names {
                 "amplitude" | "named" => {}
-                "of" => assert!(["state", "term"].contains(&values), "{}", effect.name),
+                "of" => assert!(["state", "speed", "term"].contains(&values), "{}", effect.name),
                 "order" => assert_eq!(values, "first", "{}", effect.name),
                 "follows" => assert_eq!(values, "line", "{}", effect.name),
                 "series" => assert_eq!(values, "true", "{}", effect.name),

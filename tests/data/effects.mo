@@ -954,6 +954,18 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
     end PowerVariation;
 
+    model DirectionalVariation
+      extends Check;
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+      Effects.DirectionalVariation effect(a = 0.5, x = 1 - time);
+    equation
+      der(T) = -k*T;
+      found = {T};
+      exact = {if time < 1 then exp(-3*time) else exp(-2 - time)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end DirectionalVariation;
+
     model ArrheniusVariation
       extends Check;
       parameter Real k = 2;
@@ -1092,6 +1104,15 @@ package EffectTests
       exact = {exp(-time)*(cos(sqrt(3)*time) - sin(sqrt(3)*time)/sqrt(3))};
       annotation(experiment(StopTime = 3, Tolerance = 1e-10), __mocc(adds = "der(T) = effect.term"));
     end LateTerm;
+
+    model RelaxationTerm
+      extends Equation;
+      Effects.RelaxationTerm effect(a = 3, tau = 0.25, x = 1);
+    equation
+      found = {T};
+      exact = {1.5 - 2*exp(-2*time) + 1.5*exp(-4*time)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(adds = "der(T) = effect.term"));
+    end RelaxationTerm;
 
     model HysteresisTerm
       extends Check;
@@ -2631,6 +2652,12 @@ package EffectTests
       annotation(__mocc(varies = "spring.c = effect.factor"));
     end PowerVariation;
 
+    model DirectionalVariation
+      extends Base;
+      Effects.DirectionalVariation effect(x = v);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end DirectionalVariation;
+
     model ArrheniusVariation
       extends Base;
       Effects.ArrheniusVariation effect(x = s, x_0 = 3.5e-3);
@@ -2701,6 +2728,12 @@ package EffectTests
       Effects.LateTerm effect(x = -10*observed, T_min = 1e-4);
       annotation(__mocc(adds = "der(observed) = effect.term"));
     end LateTerm;
+
+    model RelaxationTerm
+      extends Equation;
+      Effects.RelaxationTerm effect(x = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end RelaxationTerm;
 
     model HysteresisTerm
       extends Equation;
