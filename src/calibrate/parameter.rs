@@ -111,7 +111,11 @@ pub fn input(
             None => parameters().map(|v| program.name(v)).collect(),
             Some(_) => starts().map(|v| program.name(v)).collect(),
         };
-        let near = did_you_mean(name, names).map(str::to_owned);
+        let of_variable = start.is_none() && starts().any(|v| program.name(v) == name);
+        let near = match of_variable {
+            true => Some(format!("start({name})")),
+            false => did_you_mean(name, names).map(str::to_owned),
+        };
         let name = name.to_owned();
         let cause = match exists {
             true => PlanCause::NotSettable { kind, name, near },

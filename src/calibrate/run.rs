@@ -226,11 +226,15 @@ pub fn check_start(problem: &Problem<'_>) -> Result<(), Failure> {
     let named = problem.recordings(Split::Train).into_iter().find_map(|r| {
         let mut failure = problem.predict(r, &start).err()?;
         let note = format!("so recording `{}` cannot be simulated at the start values", r.name);
-        *failure.diagnostic = failure.diagnostic.note(note);
+        *failure.diagnostic = failure.diagnostic.note(note).note(OTHER_STARTS);
         Some(failure)
     });
     Err(named.unwrap_or(failure))
 }
+
+/// What may help against a failure before any parameter was fitted.
+const OTHER_STARTS: &str = "other `start` values in `[free]` may avoid this; so may runs that begin again from the recording: \
+                            `window` with `[starts]`";
 
 /// A fit with all that is derived from it.
 struct Fitted {
