@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use mocc::base::diag::Problems;
 use mocc::base::source::SourceMap;
+use mocc::calibrate::cancellation::Cancellation;
 use mocc::calibrate::observer::{Event, Observer};
 use pyo3::prelude::*;
 
@@ -122,5 +123,12 @@ impl Observer for Watch {
 
     fn is_cancelled(&self) -> bool {
         self.cancelled.is_set() || self.deadline.is_some_and(|at| Instant::now() >= at)
+    }
+
+    fn cancellation(&self) -> Cancellation {
+        let (cancelled, deadline) = (self.cancelled.clone(), self.deadline);
+        Cancellation::when(move || {
+            cancelled.is_set() || deadline.is_some_and(|at| Instant::now() >= at)
+        })
     }
 }

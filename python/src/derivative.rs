@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use mocc::calibrate::cancellation::Cancellation;
 use mocc::calibrate::rows::Rows;
 use mocc::codegen::recording;
 use mocc::driver::compile::Session;
@@ -265,7 +266,7 @@ pub fn sensitivities<'py>(
         settings.stop = times.last().copied().unwrap_or(settings.stop);
         settings.instants = Some(times.clone().into());
         let (width, count) = (program.recorded.len(), wanted.len());
-        let ran = Rows::of(times.into(), [width, count], |rows| {
+        let ran = Rows::of(&Cancellation::default(), times.into(), [width, count], |rows| {
             simulate_with_sensitivities(program, &settings, &wanted, &of.sources, rows)
         });
         let (rows, _) = ran.map_err(|failure| Trouble::of_failure(&failure, &of.sources))?;

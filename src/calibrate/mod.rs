@@ -8,6 +8,7 @@
 //! recordings together ([`objective`]), [`fit`] minimises them under the
 //! rules of [`policy`], [`statistics`] and [`profile`] say how well the data determine the result.
 pub mod calibrated_model;
+pub mod cancellation;
 pub mod cause;
 pub mod data;
 mod difference;

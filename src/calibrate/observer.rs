@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::cancellation::Cancellation;
+
 use crate::base::diag::Problems;
 use crate::base::source::SourceMap;
 
@@ -61,6 +63,11 @@ pub trait Observer {
     /// Whether the run is to end. It ends after the current step, and returns what it has found so far.
     fn is_cancelled(&self) -> bool {
         false
+    }
+
+    /// The same question for runs, which other threads do.
+    fn cancellation(&self) -> Cancellation {
+        Cancellation::default()
     }
 }
 

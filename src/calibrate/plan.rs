@@ -9,6 +9,7 @@ use crate::driver::compile::Request;
 use crate::driver::surrounded::Surrounded;
 use crate::numeric::time_series::Interpolation;
 
+use super::cancellation::Cancellation;
 use super::data::{Data, Split};
 use super::memory::Memory;
 use super::unit::Unit;
@@ -68,6 +69,8 @@ pub struct Plan {
     pub most_steps: Option<u64>,
     /// How many times as many steps as usual a run of a training recording may take.
     pub allowance: u64,
+    /// Ends runs in the middle of a search.
+    pub cancellation: Cancellation,
 }
 
 /// An FMU whose surroundings are the model of a plan. Inside it nothing can be added.

@@ -9,6 +9,7 @@ use crate::base::source::{SourceMap, Span};
 use crate::base::toml_file::{Reader, read as read_toml};
 use crate::numeric::time_series::Interpolation;
 
+use super::cancellation::Cancellation;
 use super::cause::{PlanCause, RecordingCause};
 use super::data::Split;
 use super::plan::{Condition, DrivenInput, Free, InitialValue, ListedRecording, Plan, Signal};
@@ -88,6 +89,7 @@ fn plan(r: &mut Reader<'_>, root: &Section<'_>, path: &Path) -> Plan {
         free,
         each,
         most_steps: None,
+        cancellation: Cancellation::default(),
         allowance: 1,
     };
     contradictions(r, &plan);

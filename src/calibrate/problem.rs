@@ -16,6 +16,7 @@ use crate::runtime::machine::Machine;
 use crate::simulate::sensitivity::Input;
 use crate::simulate::settings::Settings;
 
+use super::cancellation::Cancellation;
 use super::cause::PlanCause;
 use super::data::{Data, Recording, Split};
 use super::elsewhere::{self, Elsewhere};
@@ -75,6 +76,8 @@ pub struct Problem<'a> {
     pub(super) settings: Settings,
     /// How many times as many steps as usual a run of a training recording may take.
     pub(super) allowance: u64,
+    /// Ends runs in the middle of a search.
+    pub(super) cancellation: Cancellation,
     /// Training recordings that are trimmed at present, by position.
     pub trimmed: Vec<usize>,
     /// The run was cancelled: searches return what they have.
@@ -168,6 +171,7 @@ impl<'a> Problem<'a> {
             settings: settings(program, plan, execution),
             trimmed: Vec::new(),
             allowance: plan.allowance,
+            cancellation: plan.cancellation.clone(),
             stopped: false,
             jobs: parallel::cores(),
             elsewhere: None,

@@ -120,7 +120,7 @@ impl Problem<'_> {
     ) -> Result<(Rows, Statistics), Failure> {
         let sizes = [self.program.recorded.len(), 0];
         let run = |rows: &mut Rows| simulate_to(self.program, settings, self.sources, rows);
-        Rows::of(recording.time.clone(), sizes, run)
+        Rows::of(&self.cancellation, recording.time.clone(), sizes, run)
     }
 
     /// For each signal the recorded variable through which a parameter acts on it, if it does, and the factor from its

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::cancellation::Cancellation;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::ir::trajectory::{Column, Event};
@@ -24,22 +25,36 @@ pub struct Rows {
     pub values: Vec<f64>,
     /// Derivatives by the inputs, row by row and variable by variable.
     pub slopes: Vec<f64>,
+    cancellation: Cancellation,
+    /// Nobody waits for the run any more.
+    is_cancelled: bool,
 }
 
 impl Rows {
     /// The rows of a run at `instants`, of `width` variables with derivatives by `inputs` inputs, and its statistics.
-    /// Errors: that of the run, or that it has no row at one of the instants.
+    /// Errors: that of the run, or that it has no row at one of the instants, as when it is cancelled.
     pub fn of(
+        cancellation: &Cancellation,
         instants: Arc<[f64]>,
         [width, inputs]: [usize; 2],
         run: impl FnOnce(&mut Rows) -> Result<Statistics, Failure>,
     ) -> Result<(Rows, Statistics), Failure> {
         let n = instants.len();
         let (values, slopes) = (vec![0.0; n * width], vec![0.0; n * width * inputs]);
-        let mut rows = Rows { instants, next: 0, taken: false, width, values, slopes };
+        let mut rows = Rows {
+            instants,
+            next: 0,
+            taken: false,
+            width,
+            values,
+            slopes,
+            cancellation: cancellation.clone(),
+            is_cancelled: false,
+        };
         let statistics = run(&mut rows)?;
         match rows.missing() {
             None => Ok((rows, statistics)),
+            Some(_) if rows.is_cancelled => Err(Failure::settings("the run was cancelled".into())),
             Some(row) => Err(incomplete(row, &statistics)),
         }
     }
@@ -84,4 +99,9 @@ impl Sink for Rows {
     }
 
     fn event(&mut self, _event: Event) {}
+
+    fn goes_on(&mut self, _: f64) -> bool {
+        self.is_cancelled = self.cancellation.is_requested();
+        !self.is_cancelled
+    }
 }

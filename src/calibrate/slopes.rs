@@ -50,7 +50,7 @@ impl Problem<'_> {
         let run = |rows: &mut Rows| {
             simulate_with_known_sensitivities(program, &settings, &inputs, sources, rows)
         };
-        let ran = Rows::of(recording.time.clone(), [width, inputs.len()], run);
+        let ran = Rows::of(&self.cancellation, recording.time.clone(), [width, inputs.len()], run);
         let (rows, unknown) = match ran {
             Ok((rows, statistics)) => {
                 let hidden = hidden_parameters(&moved, &statistics.hidden);

@@ -8,6 +8,7 @@ use super::progress::Working;
 use super::{Status, interrupt, running, say, say_problems};
 use crate::base::diag::Problems;
 use crate::base::source::SourceMap;
+use crate::calibrate::cancellation::Cancellation;
 use crate::calibrate::observer::{Event, Observer};
 use crate::calibrate::run::CalibrationError;
 use crate::driver::compile::Session;
@@ -99,5 +100,12 @@ impl Observer for Terminal {
 
     fn is_cancelled(&self) -> bool {
         interrupt::is_requested() || self.deadline.is_some_and(|at| Instant::now() >= at)
+    }
+
+    fn cancellation(&self) -> Cancellation {
+        let deadline = self.deadline;
+        Cancellation::when(move || {
+            interrupt::is_requested() || deadline.is_some_and(|at| Instant::now() >= at)
+        })
     }
 }

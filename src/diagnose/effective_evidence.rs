@@ -47,9 +47,15 @@ pub fn eliminate_unsupported(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     }
 }
 
+/// Whether so few independent samples support a first effect: their gain exceeds what the best of all candidates, `number`,
+/// gains by chance from noise, the greatest of as many squares of normal variables.
+pub fn supports_first(study: &Study, from: &Hypothesis, to: &Hypothesis, number: usize) -> bool {
+    effective_gain(study, from, to) > 2.0 * (number.max(1) as f64).ln()
+}
+
 /// By how much the criterion over training and validation recordings falls from one hypothesis to another; infinite if the
 /// residuals of the other are too few to tell.
-fn effective_gain(study: &Study, from: &Hypothesis, to: &Hypothesis) -> f64 {
+pub fn effective_gain(study: &Study, from: &Hypothesis, to: &Hypothesis) -> f64 {
     let residuals = of_hypothesis(study, to);
     let all: Vec<&Recording> = Split::ALL.into_iter().flat_map(|s| study.data.of(s)).collect();
     let (mut gain, mut fitted) = (0.0, 0.0);

@@ -23,6 +23,9 @@ pub struct SearchPolicy {
     pub resolved_train: f64,
     /// The same for recordings that were never fitted. Default 1.1.
     pub resolved_validation: f64,
+    /// Reduced sum of the training recordings without effects below which a first effect is to be supported by as many samples
+    /// as the correlation of the residuals leaves independent. Default 1.5: above, noise does not explain the sum.
+    pub faint_below: f64,
     /// Standard deviations of the reduced sum of pure noise that those limits exceed 1 by at least: with few samples,
     /// noise alone exceeds them. Default 2.
     pub resolved_deviations: f64,
@@ -224,6 +227,7 @@ impl Default for SearchPolicy {
             fit: FitPolicy { full: Stopping { by_data: false, ..fit.full }, ..fit },
             resolved_train: 1.03,
             resolved_validation: 1.1,
+            faint_below: 1.5,
             resolved_deviations: 2.0,
             explained_share: 0.9,
             explained_limit: 3.0,

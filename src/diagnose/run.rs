@@ -113,6 +113,7 @@ pub fn run(
     let (mut study, unknowns) = prepare(request, session)?;
     let original = original(&study.plan)?;
     observer.start(&session.problems, &session.sources).map_err(CalibrationError::Refused)?;
+    study.plan.cancellation = observer.cancellation();
     let mut diagnosis = diagnose(&study, observer)?;
     let corrections = diagnosis.noise.corrections(&study.policy);
     let is_complete = diagnosis.noise.is_all() && diagnosis.after.effects.is_empty();

@@ -13,7 +13,7 @@ use crate::calibrate::fit::{self, quick_fit};
 use crate::calibrate::observer::{Event, Observer};
 
 use super::backward_elimination::eliminated;
-use super::effective_evidence::eliminate_unsupported;
+use super::effective_evidence::{eliminate_unsupported, supports_first};
 use super::formula_fit::replace_curves;
 use super::forward_selection::forward_selection;
 use super::hypothesis::{Hypothesis, groups, plan_without_effects};
@@ -126,9 +126,15 @@ impl<'a> Search<'a> {
             && leaves(Hypothesis::chi2_validation, unseen)
     }
 
-    /// False for a further effect that only corrects the form of one which explains nearly everything.
+    /// False for a further effect that only corrects the form of one which explains nearly everything, and for a first one that
+    /// follows coloured noise.
     pub fn is_needed(&self, diagnosis: &Diagnosis, extended: &Hypothesis) -> bool {
         let after = &diagnosis.after;
+        let number = diagnosis.rankings.last().map_or(0, Vec::len);
+        let is_faint = after.effects.is_empty() && after.chi2_train() < self.policy().faint_below;
+        if is_faint && !supports_first(self.study, after, extended, number) {
+            return false;
+        }
         let is_further = groups(&extended.effects).count() > groups(&after.effects).count();
         if after.effects.is_empty() || !is_further || !self.leads(&diagnosis.before, after) {
             return true;
@@ -169,9 +175,18 @@ pub fn diagnose(study: &Study, observer: &dyn Observer) -> Result<Diagnosis, Dia
         search.note("signals are white");
         return Ok(Diagnosis { noise, ..Diagnosis::new(before) });
     }
+    study.plan.cancellation.arm();
+    let diagnosis = search_from(search, before);
+    study.plan.cancellation.disarm();
+    Ok(diagnosis)
+}
+
+/// Searches from a calibration, and from another one if that explains nothing.
+fn search_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
+    let (study, fit_policy) = (search.study, &search.policy().fit);
     let mut diagnosis = diagnose_from(search, before);
     if diagnosis.noise.is_all() {
-        return Ok(diagnosis);
+        return diagnosis;
     }
     if !diagnosis.after.explains_training(search.policy()) && search.may_continue() {
         // If no effect explains the data, the calibration may be in a local minimum.
@@ -187,7 +202,7 @@ pub fn diagnose(study: &Study, observer: &dyn Observer) -> Result<Diagnosis, Dia
         }
     }
     search.note(&format!("{} steps in all", search.steps.get()));
-    Ok(diagnosis)
+    diagnosis
 }
 
 /// Searches for missing effects, given the calibration without any.
