@@ -89,6 +89,12 @@ impl Effect {
         self.named.as_ref().unwrap_or(&self.class)
     }
 
+    /// True if a shape parameter follows from the length of the recordings: a time constant.
+    pub fn depends_on_length(&self) -> bool {
+        let starts = self.shape_parameters.iter().flat_map(|(_, starts)| starts);
+        starts.flat_map(Start::variables).any(|variable| variable == "t")
+    }
+
     /// True if its inputs are bound to any variables of the model, so that these say what it depends on.
     pub fn has_free_inputs(&self) -> bool {
         self.varies.is_some() || self.adds.is_some()

@@ -139,14 +139,16 @@ fn rank_those(
             following.push(&place.at);
         }
     }
-    // A condition keeps its value during a run.
+    // A condition keeps its value during a run, so that only a function of that value and of nothing else follows it.
+    let has_shape = |k: usize| effects[k].amplitudes.len() > 1 || effects[k].depends_on_length();
     let conditions = &search.study.variations.conditions;
     let is_condition = |place: &Place| place.binds.iter().any(|(_, v)| conditions.contains(v));
     best.extend(scored(search, hypothesis, replaced, &|k, place| {
         let is_due = match is_curve(k) {
             true => curved.iter().any(|line| line.is_same_over(place)),
             false => {
-                effects[k].follows_line && following.contains(&&place.at) && !is_condition(place)
+                let is_admitted = !is_condition(place) || !has_shape(k);
+                effects[k].follows_line && following.contains(&&place.at) && is_admitted
             }
         };
         is_due && filter(k, place)

@@ -19,8 +19,10 @@ pub fn rivals<'d>(study: &Study, diagnosis: &'d Diagnosis) -> Vec<&'d Hypothesis
         let same = |other: &&Hypothesis| other.has_same_effects(rejected);
         let known = after.has_same_effects(rejected) || alike.iter().any(same);
         let is_alike = rejected.total_criterion() < limit;
-        let is_rival =
-            !known && !contains(study, rejected, after) && !is_special_case(study, after, rejected);
+        let is_rival = !known
+            && !contains(study, rejected, after)
+            && !is_special_case(study, after, rejected)
+            && !is_same_function(after, rejected);
         if is_alike && groups(&rejected.effects).count() == number && is_rival && number > 0 {
             alike.push(rejected);
         }
@@ -80,6 +82,22 @@ fn is_special_case(study: &Study, special: &Hypothesis, general: &Hypothesis) ->
     };
     is_same_place(law, other) && number(other) > number(law) && other.iter().any(is_open)
 }
+
+/// True if two hypotheses differ by laws that are one function of what the recordings cover, as x^2 and x |x| are where x has
+/// one sign: at the same place, over the same variables, with as many parameters and the same sums of squares.
+fn is_same_function(one: &Hypothesis, other: &Hypothesis) -> bool {
+    let (Some(law), Some(rival)) = (difference(one, other), difference(other, one)) else {
+        return false;
+    };
+    let is_near = |a: f64, b: f64| (a - b).abs() <= SAME_SUM * a.abs();
+    is_same_place(law, rival)
+        && one.values.len() == other.values.len()
+        && is_near(one.train.total(), other.train.total())
+        && is_near(one.validation.total(), other.validation.total())
+}
+
+/// Relative difference of sums of squares that comes from the integration alone.
+const SAME_SUM: f64 = 1e-6;
 
 /// True if two effects act at the same places, over the same variables.
 fn is_same_place(a: &[ChosenEffect], b: &[ChosenEffect]) -> bool {

@@ -954,6 +954,18 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
     end PowerVariation;
 
+    model ExponentialVariation
+      extends Check;
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+      Effects.ExponentialVariation effect(k = -1.5, x_lo = 0, x_hi = 3, x = time);
+    equation
+      der(T) = -k*T;
+      found = {T};
+      exact = {exp(-4*(1 - exp(-0.5*time)))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end ExponentialVariation;
+
     model DirectionalVariation
       extends Check;
       parameter Real k = 2;
@@ -1167,6 +1179,15 @@ package EffectTests
       exact = {1/(1 + 0.25*time)};
       annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(w) = effect.term"));
     end QuadraticTerm;
+
+    model SquareTerm
+      extends Equation;
+      Effects.SquareTerm effect(a = 3, x = time);
+    equation
+      found = {T};
+      exact = {0.25*exp(-2*time) + 1.5*time^2 - 1.5*time + 0.75};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(adds = "der(T) = effect.term"));
+    end SquareTerm;
 
     model CubicTerm
       extends Rotor;
@@ -2652,6 +2673,12 @@ package EffectTests
       annotation(__mocc(varies = "spring.c = effect.factor"));
     end PowerVariation;
 
+    model ExponentialVariation
+      extends Base;
+      Effects.ExponentialVariation effect(x = v);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end ExponentialVariation;
+
     model DirectionalVariation
       extends Base;
       Effects.DirectionalVariation effect(x = v);
@@ -2758,6 +2785,12 @@ package EffectTests
       Effects.QuadraticTerm effect(x = observed);
       annotation(__mocc(adds = "der(observed) = effect.term"));
     end QuadraticTerm;
+
+    model SquareTerm
+      extends Equation;
+      Effects.SquareTerm effect(x = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end SquareTerm;
 
     model CubicTerm
       extends Equation;
