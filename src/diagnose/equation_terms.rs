@@ -6,19 +6,20 @@
 //! equation of a measured variable is among them if it is a law as well: if it reads parameters and several variables.
 //! So is that of a variable which several rates read, such as the torque between two bodies.
 //!
-//! A term may also depend on the difference of two states of one unit, as an exchange between them does.
+//! A term may also depend on a [difference](super::difference) of two variables, as an exchange between bodies does.
 
 use crate::base::index::FastSet;
 use crate::calibrate::plan::Plan;
 use crate::flatten::open_equation::{Determined, OpenEquation, explicit_equation, rate_equations};
-use crate::ir::expr::{Binary, ExprId, Node, VarId};
-use crate::ir::flat::{EquationKind, FlatModel};
+use crate::ir::expr::VarId;
+use crate::ir::flat::FlatModel;
 use crate::units::dimension::Dimension;
 use crate::units::unit::Unit;
 
 use super::catalogue::Effect;
+use super::difference::as_difference;
 use super::place::Place;
-use super::variation::states;
+use super::variation::VariationTargets;
 
 /// Equations that a term may be added to.
 const MAX_EQUATIONS: usize = 6;
@@ -26,12 +27,8 @@ const MAX_EQUATIONS: usize = 6;
 const MAX_TERMS: usize = 4;
 /// Variables of which products are formed.
 const MAX_FACTORS: usize = 6;
-/// Differences of states that a term may depend on.
-const MAX_DIFFERENCES: usize = 4;
 /// Variables that the equation of a measured variable beside states reads at least.
 const LEAST_READ: usize = 2;
-/// Between the two variables of a difference.
-const MINUS: &str = " - ";
 
 /// The equations of a model that may lack a term.
 #[derive(Clone, Debug, Default)]
@@ -39,16 +36,10 @@ pub struct EquationTerms {
     equations: Vec<Equation>,
     /// Variables that a term may depend on.
     variables: Vec<String>,
-    /// Differences of two states, which it may depend on as well.
+    /// Differences of two variables, which it may depend on as well.
     differences: Vec<String>,
     /// Variables and differences with a unit that is not one of a speed.
     no_speeds: FastSet<String>,
-}
-
-/// The two variables of a difference.
-pub fn as_difference(text: &str) -> Option<(&str, &str)> {
-    let is_name = |text: &&str| !text.contains([' ', '*', '/', '+', '^', '(', ')']);
-    text.split_once(MINUS).filter(|(a, b)| [a, b].into_iter().all(is_name))
 }
 
 /// An equation that may lack a term.
@@ -64,7 +55,7 @@ struct Equation {
 
 impl EquationTerms {
     /// Those of a flat model and a plan, with the variables that parameters may vary with.
-    pub fn new(flat: &FlatModel, plan: &Plan, variables: &[String]) -> EquationTerms {
+    pub fn new(flat: &FlatModel, plan: &Plan, variations: &VariationTargets) -> EquationTerms {
         let is_flow =
             |v: &VarId| flat.ownership.is_flow.get(v.0 as usize).copied().unwrap_or(false);
         let is_own =
@@ -103,7 +94,7 @@ impl EquationTerms {
             terms.truncate(MAX_TERMS);
             Equation { name: e.name(flat), state: state.map(|x| x.name.clone()), terms }
         };
-        let differences = differences(flat);
+        let (variables, differences) = (&variations.variables, variations.differences.clone());
         let of_first =
             |d: &String| as_difference(d).and_then(|(a, _)| named(a)).map(|(_, x)| (d.clone(), x));
         let all_named = flat.variables.iter().map(|x| (x.name.clone(), x));
@@ -128,8 +119,9 @@ impl EquationTerms {
             let place = |names: &[&str]| {
                 let binds = inputs.iter().zip(names);
                 let binds = binds.map(|(i, v)| ((*i).to_owned(), (*v).to_owned())).collect();
-                let is_explicit = equation.state.is_none();
-                Place { binds, is_explicit, ..Place::at(std::slice::from_ref(&equation.name)) }
+                // How late another term acts is positive everywhere.
+                let is_signed = equation.state.is_none() && !effect.is_of_term;
+                Place { binds, is_signed, ..Place::at(std::slice::from_ref(&equation.name)) }
             };
             let fits = |v: &&str| !effect.is_of_speed || !self.no_speeds.contains(*v);
             match inputs.as_slice() {
@@ -185,33 +177,6 @@ fn may_be_speed(unit: &str) -> bool {
     is_undeclared || Unit::of(unit).is_none_or(|u| [linear, angular].contains(&u.dimension))
 }
 
-/// The first differences of two states of one unit, unless a variable of the model is one.
-fn differences(flat: &FlatModel) -> Vec<String> {
-    let states = states(flat);
-    let difference = |e: ExprId| {
-        let Node::Binary(Binary::Sub, a, b) = flat.graph.node(e) else { return None };
-        match (flat.graph.node(a), flat.graph.node(b)) {
-            (Node::Var(a), Node::Var(b)) => Some((a.min(b), a.max(b))),
-            _ => None,
-        }
-    };
-    let sides = flat.equations.iter().filter_map(|equation| match equation.kind {
-        EquationKind::Equal(left, right) => Some([left, right]),
-        _ => None,
-    });
-    let bindings = flat.variables.iter().filter_map(|v| v.binding);
-    let named: FastSet<(VarId, VarId)> =
-        sides.flatten().chain(bindings).filter_map(difference).collect();
-    let pairs =
-        states.iter().enumerate().flat_map(|(k, a)| states[k + 1..].iter().map(move |b| (*a, *b)));
-    pairs
-        .map(|(a, b)| ((a, b), (&flat.variables[a], &flat.variables[b])))
-        .filter(|(pair, (x, y))| x.unit == y.unit && !named.contains(pair))
-        .map(|(_, (x, y))| format!("{}{MINUS}{}", x.name, y.name))
-        .take(MAX_DIFFERENCES)
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -221,14 +186,6 @@ mod tests {
         let all = ["m/s", "rad/s", "rev/min", "mm/s", "km/h", "", "1"];
         assert!(all.into_iter().all(may_be_speed));
         assert!(!["kg", "K", "mol/m3", "A", "m", "rad", "m3/s"].into_iter().any(may_be_speed));
-    }
-
-    #[test]
-    fn a_difference_has_two_names() {
-        assert_eq!(as_difference("p1 - tank.p"), Some(("p1", "tank.p")));
-        for other in ["p1", "a*w - b", "-(c) - d - e"] {
-            assert_eq!(as_difference(other), None, "{other}");
-        }
     }
 
     fn effect(inputs: &[&str]) -> Effect {

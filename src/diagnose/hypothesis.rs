@@ -340,7 +340,7 @@ fn attach_one(
         let starts = &scored.amplitudes[j * effect.amplitudes.len()..];
         for (a, start) in effect.amplitudes.iter().zip(starts) {
             let full = full_name(&component, &a.name);
-            let (start, min) = match a.positive && !place.is_explicit {
+            let (start, min) = match a.positive && !place.is_signed {
                 true if *start > 0.0 => (*start, Some(0.0)),
                 true => (0.0, Some(0.0)),
                 false => (*start, None),

@@ -6,7 +6,7 @@ use crate::io::json::Json;
 
 use super::balance::Balance;
 use super::catalogue::{Effect, PARAMETER};
-use super::equation_terms::as_difference;
+use super::difference::as_difference;
 use super::grade::grade;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::next_experiment::{ConditionValue, Gain, NextExperiment};

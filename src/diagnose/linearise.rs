@@ -171,7 +171,7 @@ impl<'a> Linearisation<'a> {
         let at_bound = at_bound(&normal, &problem.parameters[..free], &x[..free]);
         (0..free).filter(|k| at_bound[*k]).for_each(|k| remove_column(&mut normal, k));
         let validation = validation.and_then(Result::ok).filter(NormalEquations::is_finite);
-        let is_signed = candidates.iter().map(|c| c.place.is_explicit).collect();
+        let is_signed = candidates.iter().map(|c| c.place.is_signed).collect();
         Some(Linearised { normal, validation, free, first, is_signed, share })
     }
 }

@@ -17,6 +17,7 @@ pub mod candidate_fit;
 pub mod catalogue;
 pub mod cause;
 pub mod curve_points;
+pub mod difference;
 pub mod effective_evidence;
 pub mod equation_terms;
 pub mod finer_curve;

@@ -21,8 +21,8 @@ pub struct Place {
     pub binds: Vec<(String, String)>,
     /// The signal that it modifies, by position in the plan.
     pub signal: Option<usize>,
-    /// Of a term: its equation is solved for a variable, so that its sign says nothing.
-    pub is_explicit: bool,
+    /// Of a term: its equation is solved for a variable, so that amplitudes that are positive elsewhere may have either sign.
+    pub is_signed: bool,
     /// Further hosts of the same effect: one phenomenon at several places.
     pub others: Vec<Place>,
 }
@@ -36,7 +36,7 @@ impl Place {
             adapters: Vec::new(),
             binds: Vec::new(),
             signal: None,
-            is_explicit: false,
+            is_signed: false,
             others: Vec::new(),
         }
     }

@@ -4,7 +4,7 @@ use crate::calibrate::data::{Data, Split};
 use crate::calibrate::sums::Sums;
 
 use super::catalogue::Effect;
-use super::equation_terms::as_difference;
+use super::difference::as_difference;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::noise::Noise;
 use super::policy::SearchPolicy;

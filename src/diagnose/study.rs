@@ -12,7 +12,8 @@ use crate::ir::flat::{Experiment, FlatModel};
 use crate::ir::program::Program;
 
 use super::catalogue::{Effect, Packages, catalogue};
-use super::equation_terms::{EquationTerms, as_difference};
+use super::difference::as_difference;
+use super::equation_terms::EquationTerms;
 use super::finer_curve::finer_curves;
 use super::fixed_value::{self, FixedValue, fixed_starts, fixed_values};
 use super::formula::formulas;
@@ -115,7 +116,7 @@ impl Study {
             base: flat.name.clone(),
             experiment: flat.experiment,
             variables: flat.variables.iter().map(|v| v.name.clone()).collect(),
-            terms: EquationTerms::new(flat, &plan, &variations.variables),
+            terms: EquationTerms::new(flat, &plan, &variations),
             inner_signals: inner_signals(flat, &plan),
             variations,
             readings: terminal_readings(flat, &plan, &inventory),
@@ -238,7 +239,9 @@ impl Study {
         let has_units = self.variations.variables.iter().any(|v| !self.unit(v).is_empty());
         let fits = |(input, variable): &(String, String)| {
             let own = unit(effect, input);
-            own.is_empty() || own == self.unit(variable)
+            // A difference of temperatures is no absolute temperature.
+            let is_absolute = own == "K" && as_difference(variable).is_some();
+            own.is_empty() || own == self.unit(variable) && !is_absolute
         };
         // Where nothing has a unit, an angle is what has a speed of its own.
         let may_be_angle = |(input, variable): &(String, String)| {

@@ -12,6 +12,7 @@ use crate::calibrate::recording_number;
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::flat::{EquationKind, FlatModel, Variability};
 
+use super::difference::differences;
 use super::place::Place;
 
 /// Largest number of parameters that vary alike.
@@ -30,6 +31,8 @@ pub struct VariationTargets {
     pub single: usize,
     /// Full names of variables: those that are measured, `time`, and others.
     pub variables: Vec<String>,
+    /// Differences of two variables.
+    pub differences: Vec<String>,
     /// Parameters that differ between the recordings, among them the number of the recording.
     pub conditions: Vec<String>,
     /// Parameters that keep their values during a run, so that they vary from one recording to the next only: those of an
@@ -46,12 +49,20 @@ impl VariationTargets {
         let (variables, conditions) = (variables(flat, plan), conditions(flat, plan, data));
         let fixed = plan.fmu.iter().flat_map(|fmu| fmu.fixed.iter().cloned()).collect();
         let circular = circular(flat, &parameters[..single], &variables);
-        VariationTargets { parameters, single, variables, conditions, fixed, circular }
+        let differences = match plan.fmu.is_some() {
+            true => Vec::new(),
+            false => {
+                let inputs: Vec<String> = plan.inputs.iter().map(|i| i.input.clone()).collect();
+                differences(flat, &conditions, &inputs)
+            }
+        };
+        VariationTargets { parameters, single, variables, differences, conditions, fixed, circular }
     }
 
     /// Every set of parameters with every variable and condition, for an effect whose input is named `input`.
     pub fn places(&self, input: &str) -> Vec<Place> {
-        let over: Vec<&String> = self.variables.iter().chain(&self.conditions).collect();
+        let during_a_run = self.variables.iter().chain(&self.differences);
+        let over: Vec<&String> = during_a_run.chain(&self.conditions).collect();
         let mut all = combinations(&self.parameters, &over, input);
         all.retain(|place| self.can_vary(place));
         all
@@ -59,7 +70,7 @@ impl VariationTargets {
 
     /// The same for a free curve: parameters one by one, with every variable.
     pub fn curve_places(&self, input: &str) -> Vec<Place> {
-        let over: Vec<&String> = self.variables.iter().collect();
+        let over: Vec<&String> = self.variables.iter().chain(&self.differences).collect();
         let mut all = combinations(&self.parameters[..self.single], &over, input);
         all.retain(|place| self.can_vary(place));
         all

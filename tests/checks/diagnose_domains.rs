@@ -315,6 +315,71 @@ fn a_heat_loss_is_found_as_a_term_of_an_equation() {
     assert_found(&found, &scratch, "Effects.ExchangeTerm", "der(T_2)", &values);
 }
 
+/// The loss depends on the difference of a state and an input, as the model's own equation writes it: neither of the two tells.
+#[test]
+fn a_loss_over_the_difference_to_an_input_is_found() {
+    let study = Study {
+        model: "collector",
+        truth: "collector_truth",
+        conditions: &[("A", &[1000.0, 700.0, 1200.0, 850.0])],
+        signals: &[("T", "K", 0.1)],
+        free: &["U", "C"],
+        inputs: &[("sun", "sun"), ("T_air", "air")],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "Effects.QuadraticTerm", "der(T)", &[("a", -0.05, 0.003)]);
+    assert_eq!(found["effects"][0]["over"], serde_json::json!(["T", "T_air"]));
+}
+
+/// Noise of a sensor with a correlation of 0.85 from one row to the next: hundreds of candidates follow its waves, and none is
+/// supported by as many samples as are independent, but for a rare chance.
+#[test]
+fn coloured_noise_is_no_effect() {
+    let (written, declared) = (1e-9, 0.1);
+    let study = Study {
+        model: "cooling",
+        truth: "cooling_itself",
+        conditions: &[("P", &[20.0, 40.0, 60.0, 30.0])],
+        signals: &[("T", "K", written)],
+        free: &["C", "G"],
+        inputs: &[],
+    };
+    let mut claimed = 0;
+    for seed in 1..=6 {
+        let scratch = study.written();
+        let sigma = format!("sigma = {written}");
+        scratch.file("plan.toml", &study.plan().replace(&sigma, &format!("sigma = {declared}")));
+        let mut state = 1000 * seed;
+        for k in 0..4 {
+            let file = format!("{k}.csv");
+            let text = std::fs::read_to_string(scratch.path().join(&file)).expect("a recording");
+            scratch.file(&file, &with_coloured_noise(&text, declared, 0.85, &mut state));
+        }
+        let found = read(&scratch, &["diagnose", "plan.toml", "--out", "out"], "diagnosis");
+        claimed += usize::from(found["verdict"] == "effect_found");
+    }
+    assert!(claimed <= 1, "{claimed} of 6");
+}
+
+/// The last column with autoregressive noise of the first order.
+fn with_coloured_noise(text: &str, sigma: f64, correlation: f64, state: &mut u64) -> String {
+    let mut uniform = || {
+        *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (*state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut lines = text.lines();
+    let mut out = lines.next().expect("a head").to_owned() + "\n";
+    let mut noise = 0.0;
+    for line in lines {
+        let (others, last) = line.rsplit_once(',').expect("columns");
+        let normal: f64 = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+        noise = correlation * noise + sigma * (1.0 - correlation.powi(2)).sqrt() * normal;
+        let last: f64 = last.parse().expect("a number");
+        writeln!(out, "{others},{}", last + noise).expect("a String");
+    }
+    out
+}
+
 /// Every recording starts elsewhere, which no effect explains: the summary and the file name the state.
 #[test]
 fn starts_that_differ_between_recordings_are_named() {

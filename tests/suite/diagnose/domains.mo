@@ -300,6 +300,37 @@ equation
   annotation(experiment(StopTime = 500, Interval = 2));
 end Truth;
 
+//@ case collector
+//@ used by diagnose_domains.rs
+model Collector "A solar collector in air whose temperature is an input"
+  parameter Real U = 10;
+  parameter Real C = 1500;
+  input Real sun(start = 0);
+  input Real T_air(start = 280);
+  Real T(start = 290, fixed = true);
+equation
+  C*der(T) = sun - U*(T - T_air);
+  annotation(experiment(StopTime = 3000, Interval = 10));
+end Collector;
+
+//@ case collector_truth
+//@ used by diagnose_domains.rs
+model Truth "The loss grows with the square of the difference to the air as well"
+  parameter Real A = 1000;
+  Real sun = A*(1 + sin(time/300))/2;
+  Real air = 283 + 12*sin(time/450 + A);
+  Real T(start = 290, fixed = true);
+equation
+  2000*der(T) = sun - 8*(T - air) - 0.05*(T - air)*abs(T - air);
+  annotation(experiment(StopTime = 3000, Interval = 10));
+end Truth;
+
+//@ case cooling_itself
+//@ used by diagnose_domains.rs
+model Truth
+  extends Cooling(C = 66, G = 0.45);
+end Truth;
+
 //@ case sled
 //@ used by diagnose_domains.rs
 type Drag = enumeration(Linear "proportional to the speed", Quadratic "proportional to its square");
