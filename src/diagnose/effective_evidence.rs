@@ -55,7 +55,7 @@ pub fn supports_first(study: &Study, from: &Hypothesis, to: &Hypothesis, number:
 
 /// By how much the criterion over training and validation recordings falls from one hypothesis to another; infinite if the
 /// residuals of the other are too few to tell.
-pub fn effective_gain(study: &Study, from: &Hypothesis, to: &Hypothesis) -> f64 {
+fn effective_gain(study: &Study, from: &Hypothesis, to: &Hypothesis) -> f64 {
     let residuals = of_hypothesis(study, to);
     let all: Vec<&Recording> = Split::ALL.into_iter().flat_map(|s| study.data.of(s)).collect();
     let (mut gain, mut fitted) = (0.0, 0.0);

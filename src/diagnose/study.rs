@@ -240,8 +240,8 @@ impl Study {
         let fits = |(input, variable): &(String, String)| {
             let own = unit(effect, input);
             // A difference of temperatures is no absolute temperature.
-            let is_absolute = own == "K" && as_difference(variable).is_some();
-            own.is_empty() || own == self.unit(variable) && !is_absolute
+            let is_relative = own == "K" && as_difference(variable).is_some();
+            own.is_empty() || own == self.unit(variable) && !is_relative
         };
         // Where nothing has a unit, an angle is what has a speed of its own.
         let may_be_angle = |(input, variable): &(String, String)| {

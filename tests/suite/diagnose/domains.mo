@@ -325,10 +325,10 @@ equation
   annotation(experiment(StopTime = 3000, Interval = 10));
 end Truth;
 
-//@ case cooling_itself
+//@ case kettle_itself
 //@ used by diagnose_domains.rs
 model Truth
-  extends Cooling(C = 66, G = 0.45);
+  extends Kettle;
 end Truth;
 
 //@ case sled
