@@ -114,7 +114,8 @@ impl Evaluator<'_> {
             return result;
         }
         let result = self.call_specialized(class, &components, given.clone(), span);
-        self.unwound_result(class, &components, &given, span).unwrap_or(result)
+        let result = self.unwound_result(class, &components, &given, span).unwrap_or(result);
+        self.with_given_derivative(class, &inputs, &given, result?, span)
     }
 
     /// Runs a function on its arguments.

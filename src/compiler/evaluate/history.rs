@@ -40,6 +40,8 @@ pub(crate) enum Synthetic {
     Assigned(Type, Span),
     /// An expression with calls of functions whose derivative is read.
     Derived(ExprId, Span),
+    /// An expression whose derivative, a variable, an annotation gives; the last derivative has none.
+    Given(ExprId, Option<VarId>, Span),
 }
 
 /// An expression that is delayed by a time that stays.
@@ -168,13 +170,17 @@ impl Evaluator<'_> {
                 | Synthetic::Condition(..)
                 | Synthetic::Assigned(..),
             ) => Variability::Discrete,
-            Some(Synthetic::Delay(_) | Synthetic::InStream(_) | Synthetic::Derived(..)) | None => {
-                Variability::Continuous
-            }
+            Some(
+                Synthetic::Delay(_)
+                | Synthetic::InStream(_)
+                | Synthetic::Derived(..)
+                | Synthetic::Given(..),
+            )
+            | None => Variability::Continuous,
         }
     }
 
-    fn synthetic_variable(&self, k: usize) -> VarId {
+    pub(super) fn synthetic_variable(&self, k: usize) -> VarId {
         VarId((self.instance_of.len() + k) as u32)
     }
 

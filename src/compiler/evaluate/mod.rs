@@ -28,6 +28,7 @@ mod fourier;
 pub mod frame;
 pub mod function;
 mod function_argument;
+mod given_derivative;
 pub mod history;
 pub mod implicit_ranges;
 pub mod inline;

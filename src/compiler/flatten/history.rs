@@ -1,5 +1,5 @@
 //! Introduces variables for operators with history, `delay`, `spatialDistribution`, random numbers, and for expressions
-//! whose derivative is read.
+//! whose derivative is read or given.
 
 use super::variable::add_synthetic;
 use crate::base::index::FastMap;
@@ -10,7 +10,7 @@ use crate::evaluate::random_draw::{RandomDraw, RandomDraws};
 use crate::ir::ast::Variability;
 use crate::ir::expr::{Binary, ExprId, Node, Type, VarId};
 use crate::ir::flat::{
-    Delay, Equation, EquationKind, FlatModel, Origin, Transport, TransportReader,
+    Delay, Equation, EquationKind, FlatModel, GivenDerivative, Origin, Transport, TransportReader,
 };
 use crate::symbolic::rewrite::Rewriter;
 
@@ -31,6 +31,10 @@ pub fn elaborate(cx: &mut Evaluator<'_>, flat: &mut FlatModel) {
             }
             Synthetic::Derived(value, span) => {
                 defined(cx, flat, format!("$derived{}", k + 1), value, span);
+            }
+            Synthetic::Given(value, derivative, span) => {
+                let variable = defined(cx, flat, format!("$given{}", k + 1), value, span);
+                flat.given_derivatives.push(GivenDerivative { variable, derivative });
             }
             Synthetic::InStream(stream) => super::connect::streams::add_variable(flat, stream),
             Synthetic::Condition(condition, span) => {

@@ -11,6 +11,7 @@ pub mod discontinuous;
 pub mod error;
 #[cfg(test)]
 pub mod fixture;
+pub mod given_derivative;
 pub mod homotopy;
 pub mod initial;
 pub mod parameter;
@@ -43,14 +44,16 @@ pub fn lower(mut flat: FlatModel, problems: &mut Problems) -> Option<Dae> {
         by_when: classify::assigned_in(&sections.whens),
         ownership: std::mem::take(&mut flat.ownership),
     };
-    let (classes, mut equal) = alias::find_aliases(&mut flat.graph, &variables, sections.equal);
+    let (equal, given) = given_derivative::set_aside(&mut flat, sections.equal);
+    let (classes, mut equal) = alias::find_aliases(&mut flat.graph, &variables, equal);
     let replacement =
         representative::choose(&mut flat.graph, &mut variables, classes, &sections.roots, problems);
 
     let mut rewriting = Rewriting::new(&mut flat.graph, &mut variables, replacement, problems);
     semilinear::merge_chains(&mut equal, &mut rewriting);
     let by_when = when::assigned(&sections.whens, &rewriting);
-    let (equations, mut discrete) = split(equal, &by_when, &mut rewriting);
+    let (mut equations, mut discrete) = split(equal, &by_when, &mut rewriting);
+    given_derivative::append(&flat.given_derivatives, given, &mut equations, &mut rewriting);
     hold_initial_values(&flat.variables, &mut discrete, &mut rewriting);
     let actions = when::lower(&sections.whens, &mut discrete, &mut rewriting);
     let mut asserts = actions.asserts;
@@ -214,11 +217,20 @@ fn split(
                 continue;
             }
         }
-        let [lhs, rhs] = [lhs, rhs].map(|side| r.graph.as_real(side));
-        let residual = r.graph.sub(lhs, rhs);
-        continuous.push(dae::Equation { lhs, rhs, residual, origin, derivative_of: None });
+        continuous.push(continuous_equation(lhs, rhs, origin, r));
     }
     (continuous, discrete)
+}
+
+fn continuous_equation(
+    lhs: ExprId,
+    rhs: ExprId,
+    origin: Origin,
+    r: &mut Rewriting<'_>,
+) -> dae::Equation {
+    let [lhs, rhs] = [lhs, rhs].map(|side| r.graph.as_real(side));
+    let residual = r.graph.sub(lhs, rhs);
+    dae::Equation { lhs, rhs, residual, origin, derivative_of: None }
 }
 
 /// `v := value` from an equation with a discrete variable, possibly negated, alone on one side. If

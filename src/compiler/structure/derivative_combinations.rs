@@ -35,7 +35,8 @@ pub fn find(dae: &Dae) -> Vec<DerivativeCombination> {
         for v in &rates {
             *occurrences.entry(*v).or_insert(0) += 1;
         }
-        if rates.len() > 1 {
+        // A derivative that is given must stay as it is.
+        if rates.len() > 1 && e.derivative_of.is_none() {
             rates.sort_unstable();
             combinations.push(DerivativeCombination { equation, rates });
         }

@@ -3,6 +3,7 @@
 use super::incidence::EquationSystem;
 use super::{culprit, error, reduce};
 use crate::base::diag::{Diagnostic, Problems};
+use crate::base::index::IndexVec;
 use crate::base::source::Span;
 use crate::graph::bipartite::{Bipartite, Col, Row};
 use crate::graph::dulmage_mendelsohn::{self, Subsystem};
@@ -28,15 +29,21 @@ pub fn check_determined(dae: &Dae, stated: &Stated, problems: &mut Problems) -> 
             unknowns.push(system.unknowns[col]);
         }
     }
+    // An equation whose derivative is given belongs to one unknown with it.
+    let mut counted = IndexVec::filled(true, system.sources.len());
+    for (of, _) in reduce::given_derivatives(dae) {
+        counted[of] = false;
+    }
     let collapsed = Bipartite::from_rows(
         unknowns.len(),
         system.graph.rows().map(|row| {
-            let lows = system.graph.cols(row).iter().map(|col| lowest[*col]);
+            let cols: &[Col] = if counted[row] { system.graph.cols(row) } else { &[] };
+            let lows = cols.iter().map(|col| lowest[*col]);
             lows.filter_map(|low| number[low.0 as usize]).collect::<Vec<_>>()
         }),
     );
     let matched = matching::maximum(&collapsed, |_, _| true, Matching::empty(&collapsed));
-    let (rows, cols) = (system.sources.len(), unknowns.len());
+    let (rows, cols) = (counted.iter().filter(|c| **c).count(), unknowns.len());
     if matched.cardinality() == rows && rows == cols {
         return Some(());
     }

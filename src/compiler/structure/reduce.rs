@@ -57,24 +57,26 @@ fn reduce_with(
         .filter(|id| !functions.cover(&dae.graph, dae.equations[*id].residual))
         .map(|id| Row(id.0))
         .collect();
-    let reduction = match pantelides::pantelides(&system.graph, &derivative, &not_differentiable) {
-        Ok(reduction) => reduction,
-        Err(StructurallySingular::NotDifferentiable { row, rows }) => {
-            let equation = EqId(row.0);
-            let residual = dae.equations[equation].residual;
-            if inline::calls_of(dae, equation)
-                || functions.add(&mut dae.graph, &mut dae.functions, residual)
-            {
-                return reduce_with(dae, functions, problems);
+    let given = given_derivatives(dae);
+    let reduction =
+        match pantelides::pantelides(&system.graph, &derivative, &not_differentiable, &given) {
+            Ok(reduction) => reduction,
+            Err(StructurallySingular::NotDifferentiable { row, rows }) => {
+                let equation = EqId(row.0);
+                let residual = dae.equations[equation].residual;
+                if inline::calls_of(dae, equation)
+                    || functions.add(&mut dae.graph, &mut dae.functions, residual)
+                {
+                    return reduce_with(dae, functions, problems);
+                }
+                problems.push(error::not_differentiable(dae, EqId(row.0), &equations(&rows)));
+                return None;
             }
-            problems.push(error::not_differentiable(dae, EqId(row.0), &equations(&rows)));
-            return None;
-        }
-        Err(StructurallySingular::TooFewUnknowns { rows, .. }) => {
-            problems.push(error::dependent(dae, &equations(&rows)));
-            return None;
-        }
-    };
+            Err(StructurallySingular::TooFewUnknowns { rows, .. }) => {
+                problems.push(error::dependent(dae, &equations(&rows)));
+                return None;
+            }
+        };
     let coefficients = coefficients(dae, &system, &reduction);
     let reinitialised: FastSet<VarId> = dae.reinits.iter().map(|r| r.state).collect();
     let wanted = |v: &VarId| {
@@ -105,6 +107,12 @@ fn reduce_with(
     });
     let pivots = pivots.collect();
     Some(Reduced { is_state, pivots })
+}
+
+/// The equations whose derivatives are given by others, which follow.
+pub fn given_derivatives(dae: &Dae) -> Vec<(Row, Row)> {
+    let given = dae.equations.enumerate().filter_map(|(id, e)| Some((e.derivative_of?, id)));
+    given.map(|(of, derivative)| (Row(of.0), Row(derivative.0))).collect()
 }
 
 /// All continuous equations and variables. Among equals, the variable whose name comes later becomes a dummy

@@ -57,6 +57,8 @@ pub enum StructurallySingular {
 /// - `incidence`: rows over all unknowns, the derivatives among them having columns of their own.
 /// - `derivative`: the list A of that system; columns beyond its end have no derivative.
 /// - `fixed`: rows that may not be differentiated.
+/// - `given`: pairs of rows, the second of which takes the place of the derivative of the first: the first determines
+///   the variable whose derivative the second determines.
 ///
 /// Always terminates, because a system for which it would not is found to be singular first
 /// (Pantelides 1988, section 4: the system extended by ẋ = dx/dt must not be singular).
@@ -64,17 +66,30 @@ pub fn pantelides(
     incidence: &Bipartite,
     derivative: &IndexVec<Col, Option<Col>>,
     fixed: &[Row],
+    given: &[(Row, Row)],
 ) -> Result<Reduction, StructurallySingular> {
     let mut derivative = derivative.clone();
     derivative.resize(incidence.col_count(), None);
-    check_determined(incidence, &derivative)?;
+    let mut differentiated = IndexVec::filled(None, incidence.row_count());
+    for &(row, of_derivative) in given {
+        differentiated[row] = Some(of_derivative);
+    }
+    let is_highest = |row: Row| differentiated[row].is_none();
+    check_determined(incidence, &derivative, is_highest)?;
 
     let empty = Matching::empty(incidence);
+    let mut left_out = IndexVec::filled(false, incidence.edge_count());
+    for edge in given.iter().flat_map(|(row, _)| incidence.edges(*row)) {
+        left_out[edge] = true;
+    }
+    let allowed = |edge, col| derivative[col].is_none() && !left_out[edge];
+    let matching = maximum(incidence, allowed, empty);
+    let unmatched: Vec<Row> = matching.free_rows().filter(|row| is_highest(*row)).collect();
     let mut system = GrowingSystem {
         graph: incidence.clone(),
-        matching: maximum(incidence, |_, col| derivative[col].is_none(), empty),
+        matching,
         derivative,
-        differentiated: IndexVec::filled(None, incidence.row_count()),
+        differentiated,
         origin: incidence.rows().collect(),
         fixed: IndexVec::filled(false, incidence.row_count()),
     };
@@ -82,7 +97,6 @@ pub fn pantelides(
         system.fixed[row] = true;
     }
     let mut search = AugmentingSearch::new();
-    let unmatched: Vec<Row> = system.matching.free_rows().collect();
     for first in unmatched {
         let mut row = first;
         while !system.match_highest(&mut search, row) {
@@ -109,18 +123,23 @@ pub fn lowest(derivative: &IndexVec<Col, Option<Col>>) -> IndexVec<Col, Col> {
     lowest
 }
 
-/// Finds a row without an unknown of its own even if derivatives count as the variable itself.
+/// Finds a row, of those that are `counted`, without an unknown of its own even if derivatives count as the variable
+/// itself.
 fn check_determined(
     incidence: &Bipartite,
     derivative: &IndexVec<Col, Option<Col>>,
+    counted: impl Fn(Row) -> bool,
 ) -> Result<(), StructurallySingular> {
     let lowest = lowest(derivative);
     let collapsed = Bipartite::from_rows(
         incidence.col_count(),
-        incidence.rows().map(|row| incidence.cols(row).iter().map(|&col| lowest[col])),
+        incidence.rows().map(|row| {
+            let cols: &[Col] = if counted(row) { incidence.cols(row) } else { &[] };
+            cols.iter().map(|&col| lowest[col])
+        }),
     );
     let mut matching = maximum(&collapsed, |_, _| true, Matching::empty(&collapsed));
-    let Some(row) = matching.free_rows().next() else { return Ok(()) };
+    let Some(row) = matching.free_rows().find(|row| counted(*row)) else { return Ok(()) };
     let mut search = AugmentingSearch::new();
     search.augment(&collapsed, &mut matching, row, |_, _| true);
     Err(StructurallySingular::TooFewUnknowns {
@@ -235,7 +254,7 @@ mod tests {
         let rows: [&[u32]; 5] = [&[4, 2], &[5, 3], &[6, 0, 8], &[7, 1, 8], &[0, 1]];
         let graph = graph_of(9, &rows);
         let a = list_a(9, &[(0, 4), (1, 5), (2, 6), (3, 7)]);
-        let reduction = pantelides(&graph, &a, &[]).unwrap();
+        let reduction = pantelides(&graph, &a, &[], &[]).unwrap();
         // The constraint 5 gives 6; then 1, 2 and 6 give 7, 8 and 9, with x'' = 10 and y'' = 11.
         let one_based = |list: Vec<Option<usize>>| -> Vec<usize> {
             list.into_iter().map(|entry| entry.map_or(0, |i| i + 1)).collect()
@@ -257,7 +276,7 @@ mod tests {
         // x1 x1' x1'' x2 x2' x2'' x3 x3' x3'' x4 x4'
         let rows: [&[u32]; 4] = [&[0, 3], &[0, 3, 6], &[0, 7, 9], &[2, 5, 8, 10]];
         let a = list_a(11, &[(0, 1), (1, 2), (3, 4), (4, 5), (6, 7), (7, 8), (9, 10)]);
-        let reduction = pantelides(&graph_of(11, &rows), &a, &[]).unwrap();
+        let reduction = pantelides(&graph_of(11, &rows), &a, &[], &[]).unwrap();
         assert_eq!(counts(4, &reduction), [2, 2, 1, 0]);
         assert_eq!(reduction.derivative.len(), 11);
         assert_eq!(reduction.matching.cardinality(), 4);
@@ -267,7 +286,7 @@ mod tests {
     fn an_ordinary_differential_equation_stays_as_it_is() {
         // x' = y, y = x.
         let graph = graph_of(3, &[&[1, 2], &[0, 2]]);
-        let reduction = pantelides(&graph, &list_a(3, &[(0, 1)]), &[]).unwrap();
+        let reduction = pantelides(&graph, &list_a(3, &[(0, 1)]), &[], &[]).unwrap();
         assert_eq!(reduction.incidence, graph);
         assert_eq!(reduction.differentiated.as_slice(), [None, None]);
         assert_eq!(reduction.matching.row_to_col.as_slice(), [Some(Col(1)), Some(Col(2))]);
@@ -278,7 +297,9 @@ mod tests {
         // x' = 1, x = y, y = 2, x + y = 3 z, z' = z.
         let rows: [&[u32]; 5] = [&[1], &[0, 2], &[2], &[0, 2, 3], &[3, 4]];
         let a = list_a(5, &[(0, 1), (3, 4)]);
-        let Err(error) = pantelides(&graph_of(5, &rows), &a, &[]) else { panic!("is singular") };
+        let Err(error) = pantelides(&graph_of(5, &rows), &a, &[], &[]) else {
+            panic!("is singular")
+        };
         let StructurallySingular::TooFewUnknowns { rows, cols } = error else { panic!("{error}") };
         assert_eq!(rows.len(), cols.len() + 1);
         assert_eq!(rows, [0, 1, 2].map(Row));
@@ -290,12 +311,26 @@ mod tests {
         // x' = u, y' = v, x = y, u = 1.
         let graph = graph_of(6, &[&[2, 4], &[3, 5], &[0, 1], &[4]]);
         let a = list_a(6, &[(0, 2), (1, 3)]);
-        assert_eq!(counts(4, &pantelides(&graph, &a, &[Row(3)]).unwrap()), [0, 0, 1, 0]);
-        let error = pantelides(&graph, &a, &[Row(2)]).unwrap_err();
+        assert_eq!(counts(4, &pantelides(&graph, &a, &[Row(3)], &[]).unwrap()), [0, 0, 1, 0]);
+        let error = pantelides(&graph, &a, &[Row(2)], &[]).unwrap_err();
         assert_eq!(
             error,
             StructurallySingular::NotDifferentiable { row: Row(2), rows: vec![Row(2)] }
         );
+    }
+
+    /// x = u, x' = w with given derivative; u = f(t), w = g(t), y = x'', so that the row of w is differentiated and the row
+    /// of u is not.
+    #[test]
+    fn a_given_derivative_takes_the_place_of_the_differentiated_row() {
+        // x x' x'' u w y
+        let graph = graph_of(6, &[&[0, 3], &[1, 4], &[3], &[4], &[2, 5]]);
+        let a = list_a(6, &[(0, 1), (1, 2)]);
+        let reduction = pantelides(&graph, &a, &[], &[(Row(0), Row(1))]).unwrap();
+        assert_eq!(counts(5, &reduction), [2, 1, 0, 1, 0]);
+        assert_eq!(reduction.differentiated[Row(0)], Some(Row(1)));
+        assert!(reduction.derivative[Col(3)].is_none() && reduction.derivative[Col(4)].is_some());
+        assert_eq!(reduction.matching.row_to_col[Row(2)], Some(Col(3)));
     }
 
     /// Pryce, "A simple structural analysis method for DAEs", BIT 41(2), 2001: the numbers of
@@ -329,7 +364,7 @@ mod tests {
                 }
             }
             let graph = Bipartite::from_rows(3 * n, (0..n).map(row));
-            let found = counts(n, &pantelides(&graph, &a, &[]).unwrap());
+            let found = counts(n, &pantelides(&graph, &a, &[], &[]).unwrap());
             let expected = smallest_dual(n, &signature);
             assert_eq!(found, expected, "{orders:?}");
             differentiated += usize::from(expected.iter().any(|&c| c > 0));
@@ -359,7 +394,7 @@ mod tests {
     fn a_hundred_thousand_constraints_in_a_chain() {
         let n = 100_000;
         let (graph, a) = rigid_chain(n);
-        let reduction = pantelides(&graph, &a, &[]).unwrap();
+        let reduction = pantelides(&graph, &a, &[], &[]).unwrap();
         let counts = counts(3 * n - 1, &reduction);
         assert!(counts[..n].iter().all(|&count| count == 1));
         assert!(counts[n..2 * n].iter().all(|&count| count == 0));

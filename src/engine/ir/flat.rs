@@ -48,6 +48,8 @@ pub struct FlatModel {
     pub synthetic: Vec<VarId>,
     /// Delayed expressions.
     pub delays: Vec<Delay>,
+    /// Variables whose derivatives are given.
+    pub given_derivatives: Vec<GivenDerivative>,
     /// Transport lines.
     pub transports: Vec<Transport>,
     /// Which component must determine which variable.
@@ -286,6 +288,15 @@ pub enum Action {
     },
 }
 
+/// A variable with an equation of its own that is never differentiated, as another equation determines the derivative.
+#[derive(Clone, Copy, Debug)]
+pub struct GivenDerivative {
+    /// The variable, which `flatten` adds.
+    pub variable: VarId,
+    /// Its derivative, which is another one of these; the highest derivative that is given has none.
+    pub derivative: Option<VarId>,
+}
+
 /// `delay(variable, time)`, read as a recorded signal of the variable.
 #[derive(Clone, Copy, Debug)]
 pub struct Delay {
@@ -348,6 +359,7 @@ impl FlatModel {
             recorded: Vec::new(),
             synthetic: Vec::new(),
             delays: Vec::new(),
+            given_derivatives: Vec::new(),
             transports: Vec::new(),
             ownership: Ownership::default(),
             initial_states: Vec::new(),

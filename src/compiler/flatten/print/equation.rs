@@ -1,6 +1,6 @@
 //! Prints equations, when-clauses and their actions.
 
-use super::ModelPrinter;
+use super::{ModelPrinter, WITH_DERIVATIVE};
 use crate::ir::expr::{ExprId, Node, VarId};
 use crate::ir::flat::{Action, Assert, AssertionLevel, Equation, EquationKind, WhenBranch};
 
@@ -10,7 +10,10 @@ impl ModelPrinter<'_> {
             match &e.kind {
                 EquationKind::Equal(a, _) if matches!(self.flat.graph.node(*a), Node::Var(v) if self.implicit.contains(&v)) =>
                     {}
-                EquationKind::Equal(a, b) => self.equality(*a, *b),
+                EquationKind::Equal(a, b) => match self.given_derivative(*a) {
+                    Some((v, derivative)) => self.with_derivative(v, *b, derivative),
+                    None => self.equality(*a, *b),
+                },
                 EquationKind::When(branches) => self.when(branches),
                 EquationKind::Assert(a) => {
                     self.out.push_str("  ");
@@ -26,6 +29,23 @@ impl ModelPrinter<'_> {
                 }
             }
         }
+    }
+
+    /// The variable that an expression is and its derivative, if that is given.
+    fn given_derivative(&self, e: ExprId) -> Option<(VarId, VarId)> {
+        let Node::Var(v) = self.flat.graph.node(e) else { return None };
+        let given = self.flat.given_derivatives.iter().find(|g| g.variable == v)?;
+        Some((v, given.derivative?))
+    }
+
+    fn with_derivative(&mut self, v: VarId, value: ExprId, derivative: VarId) {
+        self.out.push_str("  ");
+        self.name(v);
+        self.push(&[" = ", WITH_DERIVATIVE, "("]);
+        self.expression(value);
+        self.out.push_str(", ");
+        self.name(derivative);
+        self.out.push_str(", time);\n");
     }
 
     /// An `if` on the left-hand side needs parentheses.

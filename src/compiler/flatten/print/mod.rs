@@ -139,6 +139,23 @@ fn has_equalities(flat: &FlatModel) -> bool {
     flat.graph.any(roots, |e, _| found(e))
 }
 
+/// The function whose value is its first argument, and whose derivative is the second one.
+const WITH_DERIVATIVE: &str = "'$with_derivative'";
+
+fn with_derivative() -> String {
+    let of_derivative = "'$derivative'";
+    [
+        ["  function ", of_derivative, "\n    input Real x;\n    input Real rate;\n"].concat(),
+        "    input Real t;\n    input Real t_rate;\n    output Real y = rate;\n".to_owned(),
+        ["  end ", of_derivative, ";\n"].concat(),
+        ["  function ", WITH_DERIVATIVE, "\n    input Real x;\n    input Real rate;\n"].concat(),
+        "    input Real t;\n    output Real y = x;\n".to_owned(),
+        "    annotation(derivative(noDerivative = x, noDerivative = rate) = ".to_owned(),
+        [of_derivative, ");\n  end ", WITH_DERIVATIVE, ";\n"].concat(),
+    ]
+    .concat()
+}
+
 /// The name of the constant that holds a table, or of the function that it is.
 fn table_name(k: usize) -> String {
     format!("'$table{}'", k + 1)
@@ -234,6 +251,9 @@ impl ModelPrinter<'_> {
         if has_equalities(flat) {
             self.push(&["  function ", EQUAL, "\n    input Real a;\n    input Real b;\n"]);
             self.push(&["    output Boolean c = a == b;\n  end ", EQUAL, ";\n"]);
+        }
+        if flat.given_derivatives.iter().any(|g| g.derivative.is_some()) {
+            self.push(&[&with_derivative()]);
         }
         self.out.push_str(&function::functions(flat, self.tables));
         for (id, v) in flat.variables.enumerate() {

@@ -69,6 +69,8 @@ impl ConstraintJacobian {
                 rows.push(row);
                 tops.extend(incidence.cols(row));
                 tops.retain(|&col| reduction.derivative[col].is_none());
+                // A derivative that is given may read highest derivatives that its origin does not constrain.
+                tops.retain(|&col| chains.original_edge(incidence, row, col).is_some());
             }
             entries_by_row.extend(tops.iter().map(|&col| entry(row, col)));
             by_row.push_row(tops);

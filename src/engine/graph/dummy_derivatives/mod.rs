@@ -197,7 +197,7 @@ mod tests {
         priority: &[i32],
         coefficient: &[Coefficient],
     ) -> (Vec<u32>, Vec<u32>, usize) {
-        let reduction = pantelides(graph, &list_a(graph.col_count(), a), &[]).unwrap();
+        let reduction = pantelides(graph, &list_a(graph.col_count(), a), &[], &[]).unwrap();
         let priority = priority.iter().copied().collect();
         let coefficient = coefficient.iter().copied().collect();
         let choice = choose(&reduction, &priority, &coefficient);
@@ -292,7 +292,7 @@ mod tests {
     fn the_system_with_dummies_determines_all_unknowns() {
         let n = 40;
         let (graph, a) = rigid_chain(n);
-        let reduction = pantelides(&graph, &a, &[]).unwrap();
+        let reduction = pantelides(&graph, &a, &[], &[]).unwrap();
         let mut priority = IndexVec::filled(0, 2 * n);
         priority[Col(7)] = 1;
         // Higher than the priority of x7, which its velocity inherits.
