@@ -285,14 +285,12 @@ fn add_second(search: &Search<'_>, diagnosis: &mut Diagnosis) -> Option<Hypothes
     }
     let mut extended = diagnosis.clone();
     forward_selection(search, &mut extended, 1..policy.usual_effects);
-    if groups(&extended.after.effects).count() < 2 {
-        return None;
-    }
+    // The second one may have made the first one needless.
     if search.leads(&extended.before, &extended.after) {
         *diagnosis = extended;
         return None;
     }
-    Some(extended.after)
+    (groups(&extended.after.effects).count() > 1).then_some(extended.after)
 }
 
 /// True if a hypothesis explains the recordings together better than another, and those that were never fitted too.
