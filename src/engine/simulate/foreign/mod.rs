@@ -47,7 +47,8 @@ pub(super) fn run_to(
     let started = Instant::now();
     let interface = foreign.model.interface();
     let mut rows = Rows::new(foreign, program, settings)?;
-    let made = foreign.model.instantiate(&rows.watched());
+    let watched = rows.watched();
+    let made = foreign.model.instantiate(&watched);
     let mut instance = made.map_err(|fault| failure(fault, settings.start))?;
     let outcome = match interface.steps_itself {
         true => stepping::run(interface, &mut *instance, &mut rows, settings, sink),
@@ -57,7 +58,7 @@ pub(super) fn run_to(
     sink.end();
     let mut statistics = outcome?;
     instance.end();
-    drop(instance);
+    foreign.model.give_back(&watched, instance);
     statistics.rows = rows.count;
     statistics.extrema = rows.extrema();
     statistics.elapsed = started.elapsed();
