@@ -242,7 +242,7 @@ impl Fmu {
         &self.load.token
     }
 
-    /// A new instance in a process of its own; see [`ForeignModel::instantiate`].
+    /// A new instance in a process of its own; see [`ForeignModel::with_instance`].
     pub fn start(
         &self,
         watched: &[usize],
@@ -287,17 +287,18 @@ impl ForeignModel for Fmu {
     }
 
     /// In the process of a run that has ended, if there is one that watched the same values.
-    fn instantiate(
+    fn with_instance(
         &self,
         watched: &[usize],
-    ) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault> {
+        run: &mut dyn FnMut(&mut dyn ForeignInstance) -> bool,
+    ) -> Result<(), ForeignFault> {
         let ended = self.ended.take(|(values, _)| values == watched);
         let renewed = ended.and_then(|(_, mut ended)| ended.renew().is_ok().then_some(ended));
-        renewed.map_or_else(|| self.start(watched), Ok)
-    }
-
-    fn give_back(&self, watched: &[usize], instance: Box<dyn ForeignInstance + Send>) {
-        self.ended.give([(watched.to_vec(), instance)]);
+        let mut instance = renewed.map_or_else(|| self.start(watched), Ok)?;
+        if run(&mut *instance) {
+            self.ended.give([(watched.to_vec(), instance)]);
+        }
+        Ok(())
     }
 }
 
