@@ -72,6 +72,10 @@ causes! {
         /// A class declares a name twice.
         error MO0204 DeclaredTwice { name: Name } (section "4.2")
             => ("`{name}` is declared twice"), help("rename or remove one of them");
+        /// An element that is inherited twice is modified in two ways.
+        error MO0256 ModifiedTwice { name: Name } (section "7.1")
+            => ("`{name}` is inherited twice, and modified in two ways"),
+            help("write the same modification in both `extends` clauses");
         /// An inherited element is declared again in another way.
         error MO0292 InheritedTwice { name: Name } (section "7.1")
             => ("`{name}` is inherited and declared again in another way"),

@@ -228,6 +228,24 @@ impl ClassGraph<'_> {
         );
     }
 
+    pub(crate) fn report_modified_differently(
+        &mut self,
+        name: Name,
+        before: &[Span],
+        later: &[Span],
+    ) {
+        let places = [later, before].map(|spans| spans.first().copied());
+        let (Some(span), other) = (places[0].or(places[1]), places[0].and(places[1])) else {
+            return;
+        };
+        let mut report =
+            Diagnostic::new(ClassCause::ModifiedTwice { name }, span).label("modified here");
+        if let Some(other) = other {
+            report = report.also(other, "and in another way here");
+        }
+        self.problems.push(report);
+    }
+
     pub(crate) fn report_not_replaceable(&mut self, name: Name, span: Span, before: Span) {
         self.problems.push(
             Diagnostic::new(ClassCause::NotReplaceable { name }, span)

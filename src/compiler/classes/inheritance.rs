@@ -588,6 +588,11 @@ impl ClassGraph<'_> {
                     layers.iter().any(|(m, _)| m.names().any(|n| n.name == entry.name.name))
                 };
                 let modified = is_modified(&before.layers) || is_modified(&all);
+                if modified && before.name.span == entry.name.span {
+                    let before = before.clone();
+                    self.check_modified_alike(&before, &all);
+                    continue;
+                }
                 if before.name.span != entry.name.span
                     && !before.element.redeclare
                     && !matches!(&before.kind, EntryKind::Class(c) if is_class_extends(c))
@@ -614,6 +619,37 @@ impl ClassGraph<'_> {
         }
         if table.external.is_none() {
             table.external.clone_from(&inherited.external);
+        }
+    }
+
+    /// An element that is inherited twice is modified in the same way (section 7.1).
+    fn check_modified_alike(
+        &mut self,
+        before: &Entry,
+        later: &[(Arc<ast::Modification>, ClassId)],
+    ) {
+        let name = before.name.name;
+        let of = |layers: &[(Arc<ast::Modification>, ClassId)]| -> Vec<Span> {
+            let all = layers.iter().flat_map(|(m, _)| &m.args);
+            let own = all.filter(|arg| match &arg.kind {
+                ast::ArgumentKind::Element { path, .. } => {
+                    path.parts.first().is_some_and(|part| part.name == name)
+                }
+                ast::ArgumentKind::Redeclare(element) => {
+                    element.names().iter().any(|(own, _)| *own == name)
+                }
+                ast::ArgumentKind::Removal(_) => false,
+            });
+            own.map(|arg| arg.span).collect()
+        };
+        let (before, later) = (of(&before.layers), of(later));
+        let words = |span: &Span| {
+            let text = self.sources.text(*span).unwrap_or_default();
+            text.split_whitespace().collect::<String>()
+        };
+        let written = |spans: &[Span]| spans.iter().map(words).collect::<Vec<_>>();
+        if written(&before) != written(&later) {
+            self.report_modified_differently(name, &before, &later);
         }
     }
 

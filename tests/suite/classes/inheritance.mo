@@ -25,6 +25,31 @@ model Box
   Real x = 2;
 end Box;
 
+//@ case modified_twice_by_two_bases
+package Springs
+  model Spring
+    parameter Real c = 2000;
+    parameter Real l = 1;
+  end Spring;
+  model Damped
+    extends Spring;
+  end Damped;
+  model Strut
+    extends Spring(l = 2, c = 200);
+    //@ error[MO0256] 27-33
+    extends Damped(l = 2, c = 300);
+  end Strut;
+  model Half
+    extends Spring;
+    //@ error[MO0256] 20-26
+    extends Damped(c = 300);
+  end Half;
+  model Both
+    Strut strut;
+    Half half;
+  end Both;
+end Springs;
+
 //@ case extends_unknown_modifier
 model Car
   model Base
