@@ -8,7 +8,7 @@
 //! cargo bench --bench specimens -- effects [NAME]     # each effect of the catalogue in turn
 //! cargo bench --bench specimens -- foreign [NAME]     # the same, effect not in the catalogue
 //! cargo bench --bench specimens -- pairs 20 [1]       # two effects at once, from number 1
-//! cargo bench --bench specimens -- random 20 [1]      # one effect of any size, some not in the catalogue
+//! cargo bench --bench specimens -- random 20 [1 [NAME]]  # one effect of any size, some not in the catalogue
 //! cargo bench --bench specimens -- random-pairs 20 [1]  # two such effects at once
 //! cargo bench --bench specimens -- valve32 effects    # with the other valve
 //! SPECIMENS_LOG=1 cargo bench --bench specimens -- random 1 7   # with every step of the search
@@ -73,8 +73,10 @@ fn main() {
             }
         }
         Some("pairs") => stand.pairs(first, number(1)),
-        Some("random") => stand.random(first, number(1), 1),
-        Some("random-pairs") => stand.random(first, number(1), 2),
+        Some(mode @ ("random" | "random-pairs")) => {
+            let wanted = arguments.get(3).map_or("", String::as_str);
+            stand.random(first, number(1), if mode == "random" { 1 } else { 2 }, wanted);
+        }
         _ => println!(
             "choose one of: starts N, healthy N, effects [NAME], foreign [NAME], pairs N, \
              random N, random-pairs N"
@@ -219,7 +221,7 @@ impl Stand {
 
     /// Effects of the catalogue of any size at any of their places; every third specimen with one effect has
     /// a law that the catalogue of the diagnosis lacks.
-    fn random(&self, first: u64, count: u64, effects: usize) {
+    fn random(&self, first: u64, count: u64, effects: usize, wanted: &str) {
         let mut tally = [0; OUTCOMES.len()];
         for k in first..first + count {
             let mut random = Random(9000 + 100 * effects as u64 + k);
@@ -230,7 +232,7 @@ impl Stand {
             let plan = self.other(SPREAD, &mut random);
             let mut inserted: Vec<Inserted> = Vec::new();
             while inserted.len() < effects {
-                inserted.extend(self.any(&plan, &mut random));
+                inserted.extend(self.any(&plan, &mut random, wanted));
             }
             let is_hidden = effects == 1 && k % HIDDEN_EVERY == 0;
             let hidden = is_hidden.then_some(inserted[0].scored.effect);
@@ -246,11 +248,12 @@ impl Stand {
         }
     }
 
-    /// A parametric effect of random class, place, shape and size.
-    fn any(&self, plan: &Plan, random: &mut Random) -> Option<Inserted> {
+    /// A parametric effect of random class, whose name contains what is wanted, place, shape and size.
+    fn any(&self, plan: &Plan, random: &mut Random, wanted: &str) -> Option<Inserted> {
         let mut below = |n: usize| ((random.uniform() * n as f64) as usize).min(n - 1);
         let effect = below(self.study.effects.len());
-        if self.study.is_curve(effect) {
+        let is_wanted = self.study.effects[effect].class.contains(wanted);
+        if self.study.is_curve(effect) || !is_wanted {
             return None;
         }
         let all = unscored(&self.study, &self.without_effects());

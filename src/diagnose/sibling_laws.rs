@@ -35,7 +35,13 @@ pub fn compare_siblings(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         diagnosis.rejected.extend(siblings);
         if let Some(better) = better {
             search.note("another law at the same place explains as much");
+            let own = groups(&diagnosis.after.effects).nth(k).map(|group| group[0].clone());
             accept_instead(search, diagnosis, better);
+            // A formula contains the law that takes its place, so it is no rival.
+            if let Some(own) = own.filter(|own| is_formula(search.study, own.effect)) {
+                let has_it = |c: &ChosenEffect| c.effect == own.effect && c.place == own.place;
+                diagnosis.rejected.retain(|h| !h.effects.iter().any(has_it));
+            }
             // Effects that it made needless are gone.
             if groups(&diagnosis.after.effects).count() != number {
                 return;
@@ -60,8 +66,22 @@ fn siblings(search: &Search<'_>, diagnosis: &Diagnosis, k: usize) -> Vec<Hypothe
             && parameters(study, effect) <= parameters(study, own.effect)
             && !is_known(diagnosis, &own, effect)
     };
-    let ranking = rank_instead(search, after, &rest, &is_sibling);
-    let proposals: Vec<Vec<Scored>> = ranking.into_iter().take(SIBLINGS).map(|s| vec![s]).collect();
+    let mut ranking = rank_instead(search, after, &rest, &is_sibling);
+    // Another form of the same law starts from what was found: the score may not see it from afar.
+    let found: Option<Vec<f64>> = (study.effects[own.effect].amplitudes.iter())
+        .map(|a| after.estimate(&own.full_name(&a.name)).map(|(value, _)| value))
+        .collect();
+    let is_other_form =
+        |s: &Scored| study.effects[s.effect].name() == study.effects[own.effect].name();
+    ranking.sort_by_key(|s| !is_other_form(s));
+    for s in ranking.iter_mut().filter(|s| is_other_form(s)) {
+        if let Some(found) = found.as_ref().filter(|f| f.len() == s.amplitudes.len()) {
+            s.amplitudes.clone_from(found);
+        }
+    }
+    let line = straight_line(study, diagnosis, &own);
+    let siblings = line.into_iter().chain(ranking).take(SIBLINGS);
+    let proposals: Vec<Vec<Scored>> = siblings.map(|s| vec![s]).collect();
     let depth = groups(&rest.effects).count();
     let fits = CandidateFits::new(search, &rest, &proposals, depth);
     let most = after.train.total() + search.policy().evidence;
@@ -70,6 +90,39 @@ fn siblings(search: &Search<'_>, diagnosis: &Diagnosis, k: usize) -> Vec<Hypothe
     fits.fit_fully(&mut near);
     near.extend(distant);
     near
+}
+
+/// The straight line in the place of a formula by which several parameters vary together. Sets of parameters that the
+/// search has put together are not scored, so its slope is the one that was found for some of them.
+fn straight_line(study: &Study, diagnosis: &Diagnosis, own: &ChosenEffect) -> Option<Scored> {
+    let effect = &study.effects[own.effect];
+    if !(effect.is_variation() && is_formula(study, own.effect)) {
+        return None;
+    }
+    let is_line = |c: &&ChosenEffect| {
+        let line = &study.effects[c.effect];
+        line.is_variation()
+            && line.formula.is_none()
+            && !study.is_curve(c.effect)
+            && !line.follows_line
+            && line.amplitudes.len() == 1
+            && c.fitted.len() < own.fitted.len()
+            && c.place.binds == own.place.binds
+            && c.place.at.iter().any(|at| own.place.at.contains(at))
+    };
+    diagnosis.rejected.iter().rev().find_map(|h| {
+        let line = h.effects.iter().find(is_line)?;
+        let slope = h.estimate(&line.full_name(&study.effects[line.effect].amplitudes[0].name))?.0;
+        Some(Scored {
+            effect: line.effect,
+            place: own.place.clone(),
+            shape: line.fixed.clone(),
+            amplitudes: vec![slope],
+            gain: 0.0,
+            validation_gain: None,
+            others: Vec::new(),
+        })
+    })
 }
 
 /// True for a law with a name of its own that is no choice of the model, no start and no value.

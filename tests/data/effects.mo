@@ -656,6 +656,19 @@ package EffectTests
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end LineInertia;
 
+    model LineLag
+      extends OnVessel;
+      // As LineInertia, but for the share T/tau.
+      Effects.LineLag effect(m_host = 1e-6*time, T = 0.3, tau = 0.2);
+      Pneumatics.Ambient ambient;
+    equation
+      connect(effect.port_a, vessel.port);
+      connect(effect.port_b, ambient.port);
+      found = {effect.m_flow};
+      exact = {-0.3e-6*(1 - exp(-time/0.2))};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9));
+    end LineLag;
+
     model DeadVolume
       extends Filled;
       Effects.DeadVolume effect(V = 0.5e-3);
@@ -2554,6 +2567,14 @@ package EffectTests
       connect(effect.port_a, line.port_a);
       connect(effect.port_b, line.port_b);
     end LineInertia;
+
+    model LineLag
+      extends Base;
+      Effects.LineLag effect(m_host = line.m_flow);
+    equation
+      connect(effect.port_a, line.port_a);
+      connect(effect.port_b, line.port_b);
+    end LineLag;
 
     model DeadVolume
       extends Base;
