@@ -72,19 +72,14 @@ impl ForeignModel for Local {
     fn interface(&self) -> &ForeignInterface {
         &self.interface
     }
-    fn with_instance(
-        &self,
-        watched: &[usize],
-        run: &mut dyn FnMut(&mut dyn ForeignInstance) -> bool,
-    ) -> Result<(), ForeignFault> {
+    fn instantiate(&self, watched: &[usize]) -> Result<Box<dyn ForeignInstance>, ForeignFault> {
         let kind = match self.interface.steps_itself {
             true => Kind::Stepping { events: false },
             false => Kind::Exchange,
         };
         let instance = Instance::new(self.program, kind);
         let (references, watched) = (self.references.clone(), watched.to_vec());
-        run(&mut Here { instance, references, watched });
-        Ok(())
+        Ok(Box::new(Here { instance, references, watched }))
     }
 }
 

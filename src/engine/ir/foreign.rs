@@ -95,13 +95,13 @@ pub trait ForeignModel: Debug + Send + Sync {
     fn file(&self) -> &str;
     /// Its interface.
     fn interface(&self) -> &ForeignInterface;
-    /// Calls `run` with an instance, on whose values `watched` it will look, in this order. It returns whether it has
-    /// ended the instance in good order, which a later run may then have.
-    fn with_instance(
+    /// An instance, on whose values `watched` the run will look, in this order.
+    fn instantiate(
         &self,
         watched: &[usize],
-        run: &mut dyn FnMut(&mut dyn ForeignInstance) -> bool,
-    ) -> Result<(), ForeignFault>;
+    ) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault>;
+    /// Takes the instance of a run that has ended in good order: a later run may have it.
+    fn give_back(&self, watched: &[usize], instance: Box<dyn ForeignInstance + Send>);
 }
 
 /// An instance during a run. Inputs are pairs of a value's number and the value.

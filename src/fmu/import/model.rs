@@ -242,7 +242,7 @@ impl Fmu {
         &self.load.token
     }
 
-    /// A new instance in a process of its own; see [`ForeignModel::with_instance`].
+    /// A new instance in a process of its own; see [`ForeignModel::instantiate`].
     pub fn start(
         &self,
         watched: &[usize],
@@ -287,18 +287,17 @@ impl ForeignModel for Fmu {
     }
 
     /// In the process of a run that has ended, if there is one that watched the same values.
-    fn with_instance(
+    fn instantiate(
         &self,
         watched: &[usize],
-        run: &mut dyn FnMut(&mut dyn ForeignInstance) -> bool,
-    ) -> Result<(), ForeignFault> {
+    ) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault> {
         let ended = self.ended.take(|(values, _)| values == watched);
         let renewed = ended.and_then(|(_, mut ended)| ended.renew().is_ok().then_some(ended));
-        let mut instance = renewed.map_or_else(|| self.start(watched), Ok)?;
-        if run(&mut *instance) {
-            self.ended.give([(watched.to_vec(), instance)]);
-        }
-        Ok(())
+        renewed.map_or_else(|| self.start(watched), Ok)
+    }
+
+    fn give_back(&self, watched: &[usize], instance: Box<dyn ForeignInstance + Send>) {
+        self.ended.give([(watched.to_vec(), instance)]);
     }
 }
 

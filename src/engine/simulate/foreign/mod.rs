@@ -48,22 +48,17 @@ pub(super) fn run_to(
     let interface = foreign.model.interface();
     let mut rows = Rows::new(foreign, program, settings)?;
     let watched = rows.watched();
-    let mut statistics = Ok(Statistics::default());
-    let ran = foreign.model.with_instance(&watched, &mut |instance| {
-        statistics = match interface.steps_itself {
-            true => stepping::run(interface, instance, &mut rows, settings, sink),
-            false => exchange::run(interface, instance, &mut rows, settings, sink),
-        };
-        rows.recorder.flush(sink);
-        sink.end();
-        let is_fine = statistics.is_ok();
-        if is_fine {
-            instance.end();
-        }
-        is_fine
-    });
-    ran.map_err(|fault| failure(fault, settings.start))?;
-    let mut statistics = statistics?;
+    let made = foreign.model.instantiate(&watched);
+    let mut instance = made.map_err(|fault| failure(fault, settings.start))?;
+    let outcome = match interface.steps_itself {
+        true => stepping::run(interface, &mut *instance, &mut rows, settings, sink),
+        false => exchange::run(interface, &mut *instance, &mut rows, settings, sink),
+    };
+    rows.recorder.flush(sink);
+    sink.end();
+    let mut statistics = outcome?;
+    instance.end();
+    foreign.model.give_back(&watched, instance);
     statistics.rows = rows.count;
     statistics.extrema = rows.extrema();
     statistics.elapsed = started.elapsed();
