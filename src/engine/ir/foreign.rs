@@ -95,13 +95,8 @@ pub trait ForeignModel: Debug + Send + Sync {
     fn file(&self) -> &str;
     /// Its interface.
     fn interface(&self) -> &ForeignInterface;
-    /// An instance, on whose values `watched` the run will look, in this order.
-    fn instantiate(
-        &self,
-        watched: &[usize],
-    ) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault>;
-    /// Takes the instance of a run that has ended in good order: a later run may have it.
-    fn give_back(&self, watched: &[usize], instance: Box<dyn ForeignInstance + Send>);
+    /// A new instance, on whose values `watched` the run will look, in this order.
+    fn instantiate(&self, watched: &[usize]) -> Result<Box<dyn ForeignInstance>, ForeignFault>;
 }
 
 /// An instance during a run. Inputs are pairs of a value's number and the value.

@@ -29,17 +29,15 @@ pub fn serve() -> io::Result<()> {
     let mut stream = BufReader::new(UnixStream::from(io::stdin().as_fd().try_clone_to_owned()?));
     let mut buffer = Vec::new();
     let mut host: Option<Host> = None;
-    let mut is_loaded = false;
     while let Ok(order) = receive::<Order>(&mut stream, &mut buffer) {
         if order == Order::Leave {
             return Ok(());
         }
         let answer = match (order, host.as_mut()) {
             (Order::Load(load), _) => {
-                if !is_loaded {
+                if host.is_none() {
                     watch(PathBuf::from(&load.folder));
                     keep_loaded(&load);
-                    is_loaded = true;
                 }
                 // The instance of the last run goes first: an FMU may allow only one.
                 if let Some(last) = host.take() {
@@ -53,10 +51,8 @@ pub fn serve() -> io::Result<()> {
                     Err(trouble) => answer_of(trouble),
                 }
             }
-            (Order::End, _) => {
-                if let Some(last) = host.take() {
-                    last.instance.end();
-                }
+            (Order::End, Some(host)) => {
+                host.instance.end();
                 Answer::Numbers(Vec::new())
             }
             (order, Some(host)) => host.carry_out(order).unwrap_or_else(answer_of),

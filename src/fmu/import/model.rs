@@ -39,42 +39,14 @@ pub struct Fmu {
     folder: PathBuf,
     interface: ForeignInterface,
     load: Load,
-    idle: Idle<Box<dyn SteppingInstance + Send>>,
-    ended: Idle<Ended>,
+    idle: Idle,
 }
 
 /// Instances of ended runs, in their processes, that wait for the next.
-struct Idle<T>(Mutex<Vec<T>>);
+#[derive(Default)]
+struct Idle(Mutex<Vec<Box<dyn SteppingInstance + Send>>>);
 
-/// The instance of a run that has ended, and the values that the run watched.
-type Ended = (Vec<usize>, Box<dyn ForeignInstance + Send>);
-
-impl<T> Default for Idle<T> {
-    fn default() -> Self {
-        Idle(Mutex::default())
-    }
-}
-
-impl<T> Idle<T> {
-    /// The last one that fits.
-    fn take(&self, fits: impl Fn(&T) -> bool) -> Option<T> {
-        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let at = all.iter().rposition(fits)?;
-        Some(all.remove(at))
-    }
-
-    fn give(&self, more: impl IntoIterator<Item = T>) {
-        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let room = MOST_IDLE.saturating_sub(all.len());
-        all.extend(more.into_iter().take(room));
-    }
-
-    fn clear(&self) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clear();
-    }
-}
-
-impl<T> std::fmt::Debug for Idle<T> {
+impl std::fmt::Debug for Idle {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str("instances that wait")
     }
@@ -167,8 +139,7 @@ pub fn open(file: &Path, wanted: Integrating) -> Result<Fmu, Box<Diagnostic>> {
     let binaries = format!("binaries/{platform}/");
     let load = load(&described, &kind, stepping, &folder, &library);
     // From here on the folder is removed, whatever happens.
-    let (idle, ended) = (Idle::default(), Idle::default());
-    let fmu = Fmu { file: path, folder, interface, load, idle, ended };
+    let fmu = Fmu { file: path, folder, interface, load, idle: Idle::default() };
     let resources = fmu.folder.join("resources");
     if let Err(e) = std::fs::create_dir_all(&resources) {
         let (path, why) = (resources.display().to_string(), e.to_string());
@@ -259,8 +230,8 @@ impl Fmu {
         &self,
         watched: &[usize],
     ) -> Result<Box<dyn SteppingInstance + Send>, ForeignFault> {
-        let renewed =
-            self.idle.take(|_| true).and_then(|mut idle| idle.renew().is_ok().then_some(idle));
+        let idle = self.idle.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let renewed = idle.and_then(|mut idle| idle.renew().is_ok().then_some(idle));
         if let Some(renewed) = renewed {
             return Ok(renewed);
         }
@@ -273,7 +244,9 @@ impl Fmu {
 
     /// Takes instances of runs that have ended well.
     pub fn give_back(&self, instances: Vec<Box<dyn SteppingInstance + Send>>) {
-        self.idle.give(instances);
+        let mut idle = self.idle.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let room = MOST_IDLE.saturating_sub(idle.len());
+        idle.extend(instances.into_iter().take(room));
     }
 }
 
@@ -286,25 +259,14 @@ impl ForeignModel for Fmu {
         &self.interface
     }
 
-    /// In the process of a run that has ended, if there is one that watched the same values.
-    fn instantiate(
-        &self,
-        watched: &[usize],
-    ) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault> {
-        let ended = self.ended.take(|(values, _)| values == watched);
-        let renewed = ended.and_then(|(_, mut ended)| ended.renew().is_ok().then_some(ended));
-        renewed.map_or_else(|| self.start(watched), Ok)
-    }
-
-    fn give_back(&self, watched: &[usize], instance: Box<dyn ForeignInstance + Send>) {
-        self.ended.give([(watched.to_vec(), instance)]);
+    fn instantiate(&self, watched: &[usize]) -> Result<Box<dyn ForeignInstance>, ForeignFault> {
+        self.start(watched).map(|instance| instance as Box<dyn ForeignInstance>)
     }
 }
 
 impl Drop for Fmu {
     fn drop(&mut self) {
-        self.idle.clear();
-        self.ended.clear();
+        self.idle.0.lock().unwrap_or_else(PoisonError::into_inner).clear();
         let _ = std::fs::remove_dir_all(&self.folder);
     }
 }

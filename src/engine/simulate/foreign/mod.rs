@@ -47,8 +47,7 @@ pub(super) fn run_to(
     let started = Instant::now();
     let interface = foreign.model.interface();
     let mut rows = Rows::new(foreign, program, settings)?;
-    let watched = rows.watched();
-    let made = foreign.model.instantiate(&watched);
+    let made = foreign.model.instantiate(&rows.watched());
     let mut instance = made.map_err(|fault| failure(fault, settings.start))?;
     let outcome = match interface.steps_itself {
         true => stepping::run(interface, &mut *instance, &mut rows, settings, sink),
@@ -58,7 +57,7 @@ pub(super) fn run_to(
     sink.end();
     let mut statistics = outcome?;
     instance.end();
-    foreign.model.give_back(&watched, instance);
+    drop(instance);
     statistics.rows = rows.count;
     statistics.extrema = rows.extrema();
     statistics.elapsed = started.elapsed();
