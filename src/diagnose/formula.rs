@@ -122,6 +122,11 @@ impl Form {
         self.terms.iter().any(|t| t.modelica == HINGE_POWER.modelica).then_some(("Hinge", 1.0))
     }
 
+    /// It is a straight line through zero at one value of its shape.
+    pub fn contains_straight_line(&self) -> bool {
+        matches!(self.terms, [term] if term.modelica == POWER.modelica)
+    }
+
     /// It equals another form where the variable has only one sign.
     pub fn needs_both_signs(&self) -> bool {
         let of_magnitude = [MAGNITUDE.modelica, EVEN_POWER.modelica, EVEN_HYPERBOLA.modelica];

@@ -6,6 +6,7 @@
 
 use super::backward_elimination::without;
 use super::candidate_fit::CandidateFits;
+use super::formula_fit::has_formulas;
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::place::Place;
 use super::rank::{Scored, rank_instead};
@@ -37,8 +38,8 @@ pub fn compare_siblings(search: &Search<'_>, diagnosis: &mut Diagnosis) {
             search.note("another law at the same place explains as much");
             let own = groups(&diagnosis.after.effects).nth(k).map(|group| group[0].clone());
             accept_instead(search, diagnosis, better);
-            // A formula contains the law that takes its place, so it is no rival.
-            if let Some(own) = own.filter(|own| is_formula(search.study, own.effect)) {
+            // A power contains the straight line that takes its place, so it is no rival.
+            if let Some(own) = own.filter(|own| contains_straight_line(search.study, own)) {
                 let has_it = |c: &ChosenEffect| c.effect == own.effect && c.place == own.place;
                 diagnosis.rejected.retain(|h| !h.effects.iter().any(has_it));
             }
@@ -92,11 +93,17 @@ fn siblings(search: &Search<'_>, diagnosis: &Diagnosis, k: usize) -> Vec<Hypothe
     near
 }
 
-/// The straight line in the place of a formula by which several parameters vary together. Sets of parameters that the
+/// True for a power by which a parameter varies.
+fn contains_straight_line(study: &Study, own: &ChosenEffect) -> bool {
+    let effect = &study.effects[own.effect];
+    effect.is_variation()
+        && effect.formula.as_ref().is_some_and(|f| f.form.contains_straight_line())
+}
+
+/// The straight line in the place of a power by which several parameters vary together. Sets of parameters that the
 /// search has put together are not scored, so its slope is the one that was found for some of them.
 fn straight_line(study: &Study, diagnosis: &Diagnosis, own: &ChosenEffect) -> Option<Scored> {
-    let effect = &study.effects[own.effect];
-    if !(effect.is_variation() && is_formula(study, own.effect)) {
+    if !contains_straight_line(study, own) {
         return None;
     }
     let is_line = |c: &&ChosenEffect| {
@@ -105,8 +112,7 @@ fn straight_line(study: &Study, diagnosis: &Diagnosis, own: &ChosenEffect) -> Op
             && line.formula.is_none()
             && !study.is_curve(c.effect)
             && !line.follows_line
-            && line.amplitudes.len() == 1
-            && c.fitted.len() < own.fitted.len()
+            && has_formulas(study, c.effect)
             && c.place.binds == own.place.binds
             && c.place.at.iter().any(|at| own.place.at.contains(at))
     };

@@ -37,7 +37,11 @@ impl Evaluator<'_> {
         value: Value,
         span: Span,
     ) -> Option<Value> {
-        if self.frames.in_function() || self.mode.is_before_simulation() {
+        // Nearly all calls have no such argument.
+        let is_time =
+            |v: &Value| matches!(v, Value::Scalar(e) if self.graph.node(*e) == Node::Time);
+        let has_time = given.iter().flatten().any(is_time);
+        if !has_time || self.frames.in_function() || self.mode.is_before_simulation() {
             return Some(value);
         }
         let Some(first) = self.derivative_annotation(class, 1) else { return Some(value) };

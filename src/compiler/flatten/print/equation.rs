@@ -34,8 +34,10 @@ impl ModelPrinter<'_> {
     /// The variable that an expression is and its derivative, if that is given.
     fn given_derivative(&self, e: ExprId) -> Option<(VarId, VarId)> {
         let Node::Var(v) = self.flat.graph.node(e) else { return None };
-        let given = self.flat.given_derivatives.iter().find(|g| g.variable == v)?;
-        Some((v, given.derivative?))
+        // They are sorted by variable.
+        let given = &self.flat.given_derivatives;
+        let k = given.binary_search_by_key(&v, |g| g.variable).ok()?;
+        Some((v, given[k].derivative?))
     }
 
     fn with_derivative(&mut self, v: VarId, value: ExprId, derivative: VarId) {
