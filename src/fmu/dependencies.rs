@@ -94,8 +94,10 @@ impl Dependencies {
                 }
                 Op::Iterate => {
                     let mixed = &program.routines.mixed_blocks[i.a as usize];
-                    self.pass(program, &mixed.tape);
-                    self.pass(program, &mixed.tape);
+                    for _ in 0..2 {
+                        self.pass(program, &mixed.decisions);
+                        self.pass(program, &mixed.tape);
+                    }
                 }
                 Op::Call => {
                     let site = &program.routines.calls[i.a as usize];

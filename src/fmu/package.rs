@@ -11,7 +11,7 @@ pub const FILE: &str = "model.mocc";
 /// The first bytes of the file.
 const MAGIC: &[u8; 8] = b"mocc-fmu";
 /// The version of the bytes that follow. Another version of mocc may write others.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 
 /// Why there is no program.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]

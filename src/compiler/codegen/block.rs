@@ -8,9 +8,9 @@ use crate::ir::program::{
     BlockPosition, DiscreteUnknown, Entry, MixedBlock, Op, Slot, TornBlock, source_span,
 };
 
-use super::emit::{DISCRETE, Emitter, PARAMETER};
+use super::emit::{DISCRETE, Emitter, Level, PARAMETER};
 use super::jacobian;
-use super::relation::evaluate_relation;
+use super::relation::{evaluate_relation, relations_in};
 
 /// Emits a block to the layer determined by its operands.
 pub fn compile_block(e: &mut Emitter, block: &Block, place: BlockPosition) {
@@ -108,14 +108,12 @@ pub fn compile_mixed(e: &mut Emitter, parts: &[Block], relations: &[usize], plac
     for &v in &own {
         e.levels[v.idx()] = Some(layer);
     }
-    for part in parts {
-        compile_block(e, part, place);
-        // The remaining parts may change values that were computed from the unknowns of the block.
-        e.invalidate_top();
-        for v in part.unknowns() {
-            e.levels[v.idx()] = Some(layer);
-        }
-    }
+    let (decisions, others): (Vec<&Block>, Vec<&Block>) =
+        parts.iter().partition(|part| decides(e, part, relations));
+    compile_parts(e, &decisions, layer, place);
+    let decisions = e.pop_discard();
+    e.push_layer();
+    compile_parts(e, &others, layer, place);
     for &k in relations {
         evaluate_relation(e, k, place.sequence);
     }
@@ -131,8 +129,26 @@ pub fn compile_mixed(e: &mut Emitter, parts: &[Block], relations: &[usize], plac
     discrete_unknowns
         .extend(relations.iter().map(|&k| DiscreteUnknown::Relation(k as u32, first + k as Slot)));
     let edges = edges_read(e, &own);
-    e.routines.mixed_blocks.push(MixedBlock { tape, discrete_unknowns, edges, place });
+    e.routines.mixed_blocks.push(MixedBlock { decisions, tape, discrete_unknowns, edges, place });
     e.push(target, Op::Iterate, 0, (e.routines.mixed_blocks.len() - 1) as Slot, 0);
+}
+
+/// True for a discrete variable that follows from some relations directly.
+pub fn decides(e: &Emitter, part: &Block, relations: &[usize]) -> bool {
+    let Block::Assign(a) = part else { return false };
+    let is_discrete = e.dae.variables[a.variable].kind == VariableKind::Discrete;
+    is_discrete && relations_in(e, &[a.value]).iter().any(|k| relations.contains(&(*k as usize)))
+}
+
+fn compile_parts(e: &mut Emitter, parts: &[&Block], layer: Level, place: BlockPosition) {
+    for part in parts {
+        compile_block(e, part, place);
+        // The remaining parts may change values that were computed from the unknowns of the block.
+        e.invalidate_top();
+        for v in part.unknowns() {
+            e.levels[v.idx()] = Some(layer);
+        }
+    }
 }
 
 /// The Boolean variables that the equations of discrete variables read as `b and not pre(b)`, outside of

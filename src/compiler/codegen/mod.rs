@@ -89,6 +89,7 @@ pub fn compile_for(blocks: Blocks, form: SystemForm, by: &[VarId]) -> Result<Pro
     begin.dedup();
     let relation_starts = relation_start::compile(&mut emitter, &begin);
     let at_events = sequence::event(&mut emitter, &order);
+    let decided = sequence::decided(&mut emitter, &order, &at_events.lagged);
     let between = sequence::continuous(&mut emitter, &order, by);
     for k in 0..emitter.layout.delays.len() {
         let v = emitter.layout.delays[k].variable;
@@ -132,6 +133,7 @@ pub fn compile_for(blocks: Blocks, form: SystemForm, by: &[VarId]) -> Result<Pro
             initial: at_start.tape,
             initial_by_states: by_states.tape,
             event: at_events.tape,
+            decided,
             discrete: between.discrete,
             rhs: between.rhs,
             roots: between.roots,

@@ -34,6 +34,8 @@ pub fn print(program: &Program) -> String {
         );
     }
     for (k, mixed) in program.routines.mixed_blocks.iter().enumerate() {
+        let title = format!("mixed block {k}, decisions");
+        section(program, &names, &title, &mixed.decisions, &mut out);
         section(program, &names, &format!("mixed block {k}"), &mixed.tape, &mut out);
     }
     for (k, function) in program.routines.functions.iter().enumerate() {

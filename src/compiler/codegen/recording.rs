@@ -67,11 +67,12 @@ fn slots_read_elsewhere(program: &Program) -> Vec<bool> {
     let mut mark = |slot: Slot| needed[slot as usize] = true;
     let blocks =
         program.routines.torn_blocks.iter().flat_map(|s| [&s.residual_tape, &s.jacobian_tape]);
-    let mixed_blocks = program.routines.mixed_blocks.iter().map(|l| &l.tape);
+    let mixed_blocks = program.routines.mixed_blocks.iter().flat_map(|m| [&m.decisions, &m.tape]);
     let own = [
         &program.tapes.initial,
         &program.tapes.initial_by_states,
         &program.tapes.event,
+        &program.tapes.decided,
         &program.tapes.discrete,
         &program.tapes.rhs,
         &program.tapes.roots,

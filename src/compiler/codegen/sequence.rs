@@ -201,6 +201,36 @@ pub fn event(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
     SequenceTape { tape: e.pop_discard(), lagged, begin }
 }
 
+/// Compiles the relations that the event sequence reads before it can evaluate them, and what they depend on, but for the
+/// discrete variables that follow from them directly; empty if there are none of these.
+pub fn decided(e: &mut Emitter, blocks: &SortedBlocks, lagged: &[u32]) -> Tape {
+    let relations: Vec<usize> = lagged.iter().map(|k| *k as usize).collect();
+    let decides: Vec<bool> =
+        blocks.event.iter().map(|block| block::decides(e, block, &relations)).collect();
+    if !decides.contains(&true) {
+        return Tape::default();
+    }
+    reset_levels(e, true);
+    e.continuous_level = DISCRETE;
+    for state in &blocks.states {
+        e.levels[state.variable.idx()] = Some(DISCRETE);
+    }
+    e.push_layer();
+    e.floor = DISCRETE;
+    let operands: Vec<ExprId> =
+        relations.iter().flat_map(|k| [e.dae.relations[*k].lhs, e.dae.relations[*k].rhs]).collect();
+    let needed = Dependencies::new(e, &blocks.event).blocks_for(e, &operands);
+    for (i, block) in blocks.event.iter().enumerate() {
+        if needed[i] && !decides[i] {
+            compile_block(e, block, BlockPosition { sequence: Sequence::Event, index: i });
+        }
+    }
+    for k in relations {
+        evaluate_relation(e, k, Sequence::Event);
+    }
+    e.pop_discard()
+}
+
 /// Compiles the continuous sequence, split into derivatives, indicators and outputs, with what runs need that are
 /// differentiated by the parameters `by`.
 pub fn continuous(e: &mut Emitter, blocks: &SortedBlocks, by: &[VarId]) -> Continuous {

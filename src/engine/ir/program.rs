@@ -167,7 +167,9 @@ pub struct BlockDerivative {
 /// A mixed block: its tape is iterated until the discrete unknowns stop changing.
 #[derive(Clone, Debug)]
 pub struct MixedBlock {
-    /// One iteration.
+    /// Determines the discrete variables that read its relations.
+    pub decisions: Tape,
+    /// Determines the others and the relations. An iteration executes both tapes, the first one this one only.
     pub tape: Tape,
     /// The discrete variables and relations that it determines.
     pub discrete_unknowns: Vec<DiscreteUnknown>,
@@ -435,6 +437,9 @@ pub struct Tapes {
     pub initial_by_states: Tape,
     /// The event sequence, with relations, `reinit`s, assertions and terminations.
     pub event: Tape,
+    /// The lagged relations of the event sequence for the present values of the discrete variables that read them; empty
+    /// if there are none.
+    pub decided: Tape,
     /// Expressions that change at events only.
     pub discrete: Tape,
     /// The derivatives.
@@ -620,6 +625,7 @@ impl Program {
             ("initial", &tapes.initial),
             ("initial by states", &tapes.initial_by_states),
             ("event", &tapes.event),
+            ("decided", &tapes.decided),
             ("discrete", &tapes.discrete),
             ("rhs", &tapes.rhs),
             ("roots", &tapes.roots),
@@ -631,7 +637,10 @@ impl Program {
             all.push(("residual", &torn_block.residual_tape));
             all.push(("block jacobian", &torn_block.jacobian_tape));
         }
-        all.extend(self.routines.mixed_blocks.iter().map(|mixed| ("loop", &mixed.tape)));
+        for mixed in &self.routines.mixed_blocks {
+            all.push(("decisions", &mixed.decisions));
+            all.push(("loop", &mixed.tape));
+        }
         all.extend(self.rows.iter().map(|tape| ("rows", tape)));
         all.extend(self.forcing.iter().map(|forcing| ("forcing", &forcing.tape)));
         all
@@ -645,6 +654,7 @@ impl Program {
             &mut tapes.initial,
             &mut tapes.initial_by_states,
             &mut tapes.event,
+            &mut tapes.decided,
             &mut tapes.discrete,
             &mut tapes.rhs,
             &mut tapes.roots,
@@ -657,7 +667,11 @@ impl Program {
             .torn_blocks
             .iter_mut()
             .flat_map(|s| [&mut s.residual_tape, &mut s.jacobian_tape]);
-        let mixed_blocks = self.routines.mixed_blocks.iter_mut().map(|mixed| &mut mixed.tape);
+        let mixed_blocks = self
+            .routines
+            .mixed_blocks
+            .iter_mut()
+            .flat_map(|mixed| [&mut mixed.decisions, &mut mixed.tape]);
         let forcing = self.forcing.iter_mut().map(|forcing| &mut forcing.tape);
         let all = own.into_iter().chain(blocks).chain(mixed_blocks).chain(&mut self.rows);
         let all = all.chain(forcing);

@@ -143,7 +143,7 @@ wire_struct!(TornBlock {
 });
 wire_struct!(BlockDerivative { torn_block, order, jacobian, seeds, results });
 wire_enum!(DiscreteUnknown { Variable(v, slot) = 0, Relation(k, slot) = 1 });
-wire_struct!(MixedBlock { tape, discrete_unknowns, edges, place });
+wire_struct!(MixedBlock { decisions, tape, discrete_unknowns, edges, place });
 wire_struct!(CallSite { function, args, results, partial, condition, memo });
 wire_struct!(FunctionCode { tape, inputs, outputs, locals, messages, frame, is_recursive });
 wire_enum!(RelationTrigger { State = 0, Time(slot) = 1, Discrete = 2 });
@@ -179,6 +179,7 @@ wire_struct!(Tapes {
     initial,
     initial_by_states,
     event,
+    decided,
     discrete,
     rhs,
     roots,

@@ -1,6 +1,9 @@
 //! Mixed blocks: relations and equations that must be solved together. They are iterated to a fixed
 //! point; if the iteration cycles or meets equations without a solution, values of the relations
 //! that are consistent with the equations are searched for.
+//!
+//! There may be several fixed points. The discrete variables count, not the relations: at first these are evaluated for the
+//! present values of the discrete variables, see `simulate::event::iterate`.
 
 use crate::ir::program::{DiscreteUnknown, Program, Slot};
 use crate::numeric::combinations::Combinations;
@@ -47,6 +50,7 @@ impl MixedBlockSolver {
         if !self.entry_memory.is_empty() {
             machine.save_to(&mut self.entry_memory);
         }
+        self.evaluate_relations(machine, k);
         let mut outcome = self.iterate(machine, k);
         if let Err(fault) = outcome
             && !self.entry_memory.is_empty()
@@ -66,6 +70,19 @@ impl MixedBlockSolver {
                 Ok(())
             }
             outcome => outcome,
+        }
+    }
+
+    /// Evaluates the relations for the present values of the discrete variables. Where these have no solution, the relations
+    /// stay.
+    fn evaluate_relations(&mut self, machine: &mut Machine<'_>, k: usize) {
+        let mixed = &machine.program.routines.mixed_blocks[k];
+        if self.entry_memory.is_empty() || mixed.decisions.is_empty() {
+            return;
+        }
+        if machine.run(&mixed.tape).is_err() {
+            machine.fault = None;
+            machine.restore_from(&self.entry_memory);
         }
     }
 
@@ -94,6 +111,7 @@ impl MixedBlockSolver {
                 recurred = true;
                 self.cycle.restart();
             }
+            machine.run(&mixed.decisions)?;
             machine.run(&mixed.tape)?;
             match self.first_change(machine) {
                 Some(changed) => unknown = changed,
@@ -136,7 +154,7 @@ impl MixedBlockSolver {
         // them.
         let followed = (0..2).all(|_| {
             self.set_relations(machine, flipped);
-            machine.run(&mixed.tape).is_ok()
+            machine.run(&mixed.decisions).is_ok() && machine.run(&mixed.tape).is_ok()
         });
         machine.relaxed = was_relaxed;
         if !followed {
@@ -144,7 +162,8 @@ impl MixedBlockSolver {
         }
         self.set_relations(machine, flipped);
         self.record_values(machine);
-        machine.run(&mixed.tape).is_ok() && self.first_change(machine).is_none()
+        let followed = machine.run(&mixed.decisions).is_ok() && machine.run(&mixed.tape).is_ok();
+        followed && self.first_change(machine).is_none()
     }
 
     /// Sets the relations to their values on entry, with some of them flipped.

@@ -290,3 +290,25 @@ equation
   end for;
 end ShiftRegister;
 //@ expect b[150] at 0.4, 1 = 0, 1
+
+//@ case ticks_that_coincide_stay_together
+// Rounding puts the time event up to some 1e-14 s beside the ticks, which coincide with each other at each third one.
+model Ticks
+  Integer n(start = 0, fixed = true);
+  Integer k(start = 0, fixed = true);
+  Integer apart(start = 0, fixed = true);
+  discrete Real next(start = 0.3, fixed = true);
+equation
+  when sample(0, 0.1) then
+    n = pre(n) + 1;
+  end when;
+  when sample(0, 0.3) then
+    k = pre(k) + 1;
+    apart = pre(apart) + (if n == 3*(k - 1) + 1 then 0 else 1);
+  end when;
+  when time >= pre(next) then
+    next = pre(next) + 0.3;
+  end when;
+  annotation(experiment(StopTime = 100));
+end Ticks;
+//@ expect n, k, apart = 1001, 334, 0

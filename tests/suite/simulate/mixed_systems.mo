@@ -101,3 +101,62 @@ end Clutch;
 //@ expect each w1 = first(time) abs 1e-7
 //@ expect each w2 = second(time) abs 1e-7
 //@ expect events < 12
+
+//@ case friction_sticks_below_the_breakaway_force
+//@ run stop=2 interval=0.05 tolerance=1e-9
+// When the speed comes to zero, the drive of 2.5 exceeds the sliding friction of 2, not the breakaway force of 3: both to
+// slide on and to stick solve the equations of that instant, and the body sticks.
+model Friction
+  Real w(start = -1, fixed = true);
+  Real a;
+  Real sa;
+  Real f;
+  Boolean forward(start = false, fixed = true);
+  Boolean backward(start = false, fixed = true);
+  Boolean locked;
+  Integer mode(start = -1, fixed = true);
+equation
+  der(w) = a;
+  0.5*a = 2.5 - f;
+  forward = pre(mode) == 0 and sa > 3;
+  backward = pre(mode) == 0 and sa < -3;
+  locked = not (pre(mode) == 1 or forward or pre(mode) == -1 or backward);
+  a = if locked then 0 elseif forward then sa - 3 elseif backward then sa + 3
+    elseif pre(mode) == 1 then sa - 3 else sa + 3;
+  f = if locked then sa elseif forward then 2 elseif backward then -2 elseif pre(mode) == 1 then 2 else -2;
+  mode = if (pre(mode) == 1 or forward) and w > 0 then 1
+    elseif (pre(mode) == -1 or backward) and w < 0 then -1 else 0;
+end Friction;
+//@ expect w at 0.05, 0.1 = -0.55, -0.1 abs 1e-9
+//@ expect w at 0.2, 1, 2 = 0, 0, 0 abs 1e-9
+//@ expect locked at 0.1, 0.2, 2 = 0, 1, 1
+
+//@ case friction_breaks_away
+//@ run stop=4 interval=0.02 tolerance=1e-9
+// From rest under 4 sin(2 t): it breaks away at 3, slides, sticks, and breaks away backwards at -3.
+model Drive
+  Real w(start = 0, fixed = true);
+  Real a;
+  Real sa;
+  Real f;
+  Boolean forward(start = false, fixed = true);
+  Boolean backward(start = false, fixed = true);
+  Boolean locked;
+  Integer mode(start = 0, fixed = true);
+equation
+  der(w) = a;
+  0.5*a = 4*sin(2*time) - f;
+  forward = pre(mode) == 0 and (sa > 3 or pre(forward) and sa > 2);
+  backward = pre(mode) == 0 and (sa < -3 or pre(backward) and sa < -2);
+  locked = not (pre(mode) == 1 or forward or pre(mode) == -1 or backward);
+  a = if locked then 0 elseif forward then sa - 3 elseif backward then sa + 3
+    elseif pre(mode) == 1 then sa - 3 else sa + 3;
+  f = if locked then sa elseif forward then 2 elseif backward then -2 elseif pre(mode) == 1 then 2 else -2;
+  mode = if (pre(mode) == 1 or forward) and w > 0 then 1
+    elseif (pre(mode) == -1 or backward) and w < 0 then -1 else 0;
+end Drive;
+//@ let away = asin(0.75)/2
+//@ let back = (3.141592653589793 + asin(0.75))/2
+//@ expect w at 1.5 = 4*(cos(2*away) - cos(3)) - 4*(1.5 - away) abs 1e-6
+//@ expect locked at 0.1, 1, 1.92 = 1, 0, 1
+//@ expect w at 2.2 = 4*(cos(2*back) - cos(4.4)) + 4*(2.2 - back) abs 1e-6

@@ -214,7 +214,9 @@ pub(super) fn mark_accesses(
                 derivative.jacobian.iter().for_each(|e| reads[e.slot as usize] = true);
             }
             Op::Iterate => {
-                mark_accesses(program, &program.routines.mixed_blocks[k].tape, writes, reads)
+                let mixed = &program.routines.mixed_blocks[k];
+                mark_accesses(program, &mixed.decisions, writes, reads);
+                mark_accesses(program, &mixed.tape, writes, reads);
             }
             Op::Call => {
                 let site = &program.routines.calls[k];

@@ -261,6 +261,7 @@ impl Tangents {
             let discrete_unknowns = mixed.discrete_unknowns.iter().map(|w| discrete_slot(*w));
             before.clear();
             before.extend(discrete_unknowns.clone().flat_map(|slot| self.of(slot).iter().copied()));
+            self.propagate(machine, &mixed.decisions)?;
             self.propagate(machine, &mixed.tape)?;
             let mut now = discrete_unknowns.flat_map(|slot| self.of(slot).iter());
             if before.iter().all(|b| now.next() == Some(b)) {

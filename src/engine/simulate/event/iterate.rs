@@ -298,6 +298,9 @@ fn iterate_with(
             }
         }
         let mut repeat = false;
+        if pass > 0 {
+            evaluate_decided(machine);
+        }
         if strategy == Strategy::GaussSeidel {
             relaxed_pass(machine, &program.tapes.event, &program.events.lagged_event)?;
             repeat = machine.still_changing;
@@ -348,6 +351,25 @@ fn iterate_with(
         }
     }
     Err(EventError::NotConverged(changing, Vec::new()))
+}
+
+/// Evaluates the lagged relations for the present values of the discrete variables, now that `pre` has changed. Relations
+/// and discrete variables may have several solutions together, one of which lies where the relations have the signs of the
+/// motion before: a body with dry friction whose speed comes to zero would slide on although it may stick. The next value
+/// of the discrete variables follows from their last one, as in M. Otter, H. Elmqvist and S. E. Mattsson, Hybrid Modeling
+/// in Modelica Based on the Synchronous Data Flow Principle (CACSD 1999), section 4. Where the equations have no solution
+/// then, the relations stay.
+fn evaluate_decided(machine: &mut Machine<'_>) {
+    let program = machine.program;
+    if program.tapes.decided.is_empty() {
+        return;
+    }
+    let before = machine.snapshot();
+    if machine.run(&program.tapes.decided).is_err() {
+        machine.fault = None;
+        machine.restore_from(&before);
+    }
+    machine.recycle(before);
 }
 
 /// Collects violated assertions of when-clauses and terminations that are active.

@@ -34,18 +34,29 @@ impl Clocks {
         relations.chain(ticks).filter(|at| *at > t).fold(f64::INFINITY, f64::min)
     }
 
-    /// Raises the flags of the clocks that tick at `t` and advances them; true if any ticks.
+    /// Raises the flags of the clocks that tick at `t` and advances them; true if any ticks. A tick that is simultaneous
+    /// with one of them belongs to the same event, even if rounding has put `t` itself further away.
     pub fn raise(&mut self, machine: &mut Machine<'_>, t: f64) -> bool {
-        let mut any = false;
-        for k in 0..self.next.len() {
-            if self.tick(machine, k) <= t + SIMULTANEOUS * f64::EPSILON * t.abs() {
+        let after = |t: f64| t + SIMULTANEOUS * f64::EPSILON * t.abs();
+        let mut waiting: Vec<usize> = (0..self.next.len()).collect();
+        let mut until = after(t);
+        loop {
+            let count = waiting.len();
+            waiting.retain(|&k| {
+                let tick = self.tick(machine, k);
+                if tick > until {
+                    return true;
+                }
+                until = until.max(after(tick));
                 self.next[k] += 1;
                 let flag = machine.program.events.clocks[k].flag;
                 machine.set(flag, 1.0);
-                any = true;
+                false
+            });
+            if waiting.len() == count {
+                return count < self.next.len();
             }
         }
-        any
     }
 
     /// The first clock whose next tick is `near`, with the number of that tick.
