@@ -85,7 +85,9 @@ impl Evaluator<'_> {
         let functions = self.operator_functions(class, "'constructor'");
         let fits = |cx: &mut Self, f: ClassId| {
             let inputs = cx.inputs(f);
+            let is_given = |e: &Entry| names.contains(&e.name.name);
             inputs.len() >= args.len()
+                && inputs[args.len()..].iter().all(|(e, d)| is_given(e) || has_default(d))
                 && names.iter().all(|n| inputs.iter().any(|(e, _)| e.name.name == *n))
                 && args.iter().zip(&inputs).all(|(v, (e, d))| cx.accepts(v, e, d))
         };
@@ -153,12 +155,9 @@ impl Evaluator<'_> {
     /// Whether an operator record has an operator with so many inputs without default.
     pub(crate) fn has_operator(&mut self, class: ClassId, operator: &str, inputs: usize) -> bool {
         let class = self.written(class);
-        self.operator_functions(class, operator).into_iter().any(|f| {
-            let needed = self.inputs(f).into_iter().filter(|(_, d)| {
-                d.component().modification.as_ref().is_none_or(|m| m.binding.is_none())
-            });
-            needed.count() == inputs
-        })
+        self.operator_functions(class, operator)
+            .into_iter()
+            .any(|f| self.inputs(f).iter().filter(|(_, d)| !has_default(d)).count() == inputs)
     }
 
     /// The functions of an operator.
@@ -191,12 +190,7 @@ impl Evaluator<'_> {
     ) -> Option<ClassId> {
         self.operator_functions(class, operator).into_iter().find(|f| {
             let inputs = self.inputs(*f);
-            let required = inputs
-                .iter()
-                .filter(|(_, d)| {
-                    d.component().modification.as_ref().is_none_or(|m| m.binding.is_none())
-                })
-                .count();
+            let required = inputs.iter().filter(|(_, d)| !has_default(d)).count();
             let count = operands.len();
             let enough = required <= count && count <= inputs.len();
             enough
@@ -233,4 +227,10 @@ impl Evaluator<'_> {
             Some(_) => false,
         }
     }
+}
+
+/// Whether an input has a value where a call gives none.
+fn has_default(declaration: &Declaration) -> bool {
+    let modification = &declaration.component().modification;
+    modification.as_ref().is_some_and(|m| m.binding.is_some())
 }

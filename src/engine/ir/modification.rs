@@ -78,7 +78,8 @@ impl Layer {
                 };
                 if let Some(part) = path.parts.get(depth + 1) {
                     if part.name == name {
-                        out.push(self.at(LayerSource::Argument(m.clone(), *k, depth + 1), false));
+                        let each = m.args[*k].each && path.parts.len() == depth + 2;
+                        out.push(self.at(LayerSource::Argument(m.clone(), *k, depth + 1), each));
                     }
                 } else if let Some(inner) = modification {
                     self.arguments(inner, name, out);
@@ -97,7 +98,9 @@ impl Layer {
             if let ArgumentKind::Element { path, .. } = &arg.kind
                 && path.parts.first().is_some_and(|p| p.name == name)
             {
-                out.push(self.at(LayerSource::Argument(m.clone(), k, 0), arg.each));
+                // Of `each a.b`, only `b` is the same in all (section 7.2.4).
+                let each = arg.each && path.parts.len() == 1;
+                out.push(self.at(LayerSource::Argument(m.clone(), k, 0), each));
             }
         }
     }

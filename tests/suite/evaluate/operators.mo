@@ -87,3 +87,39 @@ model Root
   //@ error[MO0902] 8
   Real y = max(sqrt(time - 0.5), 1);
 end Root;
+
+//@ case constructors_of_different_length
+// One number cannot be given to `full`, whose second input has no default.
+package Q
+  operator record Quat
+    Real w;
+    Real x;
+    encapsulated operator 'constructor'
+      import Q.Quat;
+      function fromReal
+        input Real r;
+        output Quat q(w = r, x = 0);
+      algorithm
+      end fromReal;
+      function full
+        input Real w;
+        input Real x;
+        output Quat q(w = w, x = x);
+      algorithm
+      end full;
+    end 'constructor';
+    encapsulated operator function '+'
+      import Q.Quat;
+      input Quat a;
+      input Quat b;
+      output Quat c = Quat(a.w + b.w, a.x + b.x);
+    algorithm
+    end '+';
+  end Quat;
+  model Use
+    Quat a = Quat(1, 2);
+    Quat b = Quat(5.0);
+    Quat c = a + time;
+  end Use;
+end Q;
+//@ expect a.x, b.w, b.x, c.w, c.x = 2, 5, 0, 2, 2

@@ -208,3 +208,20 @@ package Shop
     Derived d;
   end Top;
 end Shop;
+
+//@ case each_of_a_qualified_name
+// `each c.a` is `c(each a)`: the example of section 7.2.5 of the specification.
+package Each
+  model C
+    parameter Real a[3];
+    parameter Real d;
+  end C;
+  model B
+    C c[5](each a = {1, 2, 3}, d = {1, 2, 3, 4, 5});
+    parameter Real b = 0;
+  end B;
+  model D
+    B b(each c.a = {3, 4, 5}, c.d = {2, 3, 4, 5, 6});
+  end D;
+end Each;
+//@ expect b.c[1].a[2], b.c[5].a[3], b.c[1].d, b.c[5].d = 4, 5, 2, 6
