@@ -13,7 +13,7 @@ equation
   tau = -(M + M_s*exp(-(w/w_s)^2))*z;
 
   annotation(__mocc(
-    effect   = "amplitude=M>0,M_s>0; delta=1e-5*span(phi); w_s=0.02*span(w),0.05*span(w),0.15*span(w)",
+    effect   = "amplitude=M>0,M_s>0; delta=1e-5*span(phi); w_s=0.02*span(w),0.05*span(w),0.15*span(w); simpler=Effects.BearingFriction",
     law      = "tau = -(M + M_s exp(-(w/w_s)^2)) z",
     explains = "Dry friction brakes %at, more at low speed than at high speed."));
 end BearingStribeck;

@@ -11,7 +11,7 @@ equation
   factor = 1 + A*sin(N*x) + B*cos(N*x);
 
   annotation(__mocc(
-    effect   = "varies=factor; amplitude=A,B; N=1,2,3,4,5,6,8,12",
+    effect   = "varies=factor; amplitude=A,B; N=1,2,3,4,5,6,8,12; simpler=Effects.LinearVariation",
     law      = "1 + A sin(N x) + B cos(N x)",
     explains = "The value of %at repeats itself over the turn of %over."));
 end HarmonicVariation;

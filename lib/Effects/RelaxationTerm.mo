@@ -14,7 +14,7 @@ equation
   term = a*y;
 
   annotation(__mocc(
-    effect   = "adds=term; amplitude=a; tau=0.003*span(t),0.02*span(t),0.15*span(t)",
+    effect   = "adds=term; amplitude=a; tau=0.003*span(t),0.02*span(t),0.15*span(t); simpler=Effects.LinearTerm",
     law      = "a y, tau dy/dt = x - y, y(0) = 0",
     explains = "The equation of %at lacks a term that follows %over with a lag."));
 end RelaxationTerm;

@@ -12,7 +12,7 @@ equation
   y = u - a*(u - noEvent(max(-y_max, min(y_max, u))));
 
   annotation(__mocc(
-    effect   = "amplitude=a>0; y_max=0.5*max(size_of_u),0.7*max(size_of_u),0.9*max(size_of_u)",
+    effect   = "amplitude=a>0; y_max=0.5*max(size_of_u),0.7*max(size_of_u),0.9*max(size_of_u); simpler=Effects.SensorGain",
     law      = "y = u - a (u - max(-y_max, min(y_max, u)))",
     explains = "The sensor of %at reads up to a limit."));
 end SensorLimit;

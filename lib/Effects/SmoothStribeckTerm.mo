@@ -13,7 +13,7 @@ equation
   term = -(F + F_s*exp(-(x/x_s)^2))*tanh(x/x_0);
 
   annotation(__mocc(
-    effect   = "adds=term; of=speed; amplitude=F>0,F_s>0; x_0=0.002*span(x),0.02*span(x); x_s=0.05*span(x),0.15*span(x)",
+    effect   = "adds=term; of=speed; amplitude=F>0,F_s>0; x_0=0.002*span(x),0.02*span(x); x_s=0.05*span(x),0.15*span(x); simpler=Effects.SmoothDryTerm",
     law      = "-(F + F_s exp(-(x/x_s)^2)) tanh(x/x_0)",
     explains = "The equation of %at lacks dry friction that is greater at low speed and vanishes at rest."));
 end SmoothStribeckTerm;

@@ -18,7 +18,7 @@ equation
   term = -(F + F_s*exp(-(x/x_s)^2))*z;
 
   annotation(__mocc(
-    effect   = "adds=term; of=speed; amplitude=F>0,F_s>0; delta=1e-5*span(moved); x_s=0.02*span(x),0.05*span(x),0.15*span(x)",
+    effect   = "adds=term; of=speed; amplitude=F>0,F_s>0; delta=1e-5*span(moved); x_s=0.02*span(x),0.05*span(x),0.15*span(x); simpler=Effects.DryTerm",
     law      = "-(F + F_s exp(-(x/x_s)^2)) sign(x)",
     explains = "The equation of %at lacks dry friction that is greater at low speed."));
 end StribeckTerm;

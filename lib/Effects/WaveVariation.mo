@@ -12,7 +12,7 @@ equation
   factor = 1 + A*sin(two_pi*x/L) + B*(cos(two_pi*x/L) - 1);
 
   annotation(__mocc(
-    effect   = "varies=factor; follows=line; amplitude=A,B; L=0.1*span(x),0.2*span(x),0.4*span(x),0.9*span(x)",
+    effect   = "varies=factor; follows=line; amplitude=A,B; L=0.1*span(x),0.2*span(x),0.4*span(x),0.9*span(x); simpler=Effects.LinearVariation",
     law      = "1 + A sin(2 pi x/L) + B (cos(2 pi x/L) - 1)",
     explains = "The value of %at rises and falls periodically with %over."));
 end WaveVariation;

@@ -27,6 +27,8 @@ package Effects "Physical effects that a model may lack"
   //   follows=line          such an effect is tried for the two parameters only that a law without this entry suits best
   //   series=true           the effect and its host together are another law of the host: a sensor of the host's flow reads
   //                         what flows through both
+  //   simpler=CLASS,...     laws that it becomes at a limit of its parameters: one of them takes its place where it
+  //                         explains as much
   //   between=moving        of an effect with two connectors: neither of them is attached to a point that is fixed in space
   //   adds=term             this variable of the effect is added to an equation of the model that determines the rate of a
   //                         state or a measured variable. The inputs of the effect are bound to variables of the model of

@@ -4,7 +4,8 @@ use crate::calibrate::fit::{Fit, search as local_search};
 use crate::calibrate::plan::Free;
 use crate::calibrate::problem::Problem;
 
-use super::hypothesis::{ChosenEffect, Hypothesis};
+use super::hypothesis::{ChosenEffect, Hypothesis, groups};
+use super::revise::not_fitted;
 use super::search::Search;
 use super::study::Study;
 
@@ -45,6 +46,27 @@ fn is_weak(search: &Search<'_>, hypothesis: &Hypothesis, chosen: &ChosenEffect) 
         !estimate.is_some_and(|(value, error)| value.abs() > limit * error)
     };
     !amplitudes.is_empty() && amplitudes.iter().all(|a| weak(&a.name))
+}
+
+/// The hypothesis without the effects whose amplitudes are all exactly zero, at their bounds: these do nothing.
+pub fn without_inert(study: &Study, hypothesis: Hypothesis) -> Hypothesis {
+    let is_inert = |group: &&[ChosenEffect]| {
+        group.iter().all(|c| {
+            let amplitudes = &study.effects[c.effect].amplitudes;
+            !amplitudes.is_empty()
+                && amplitudes.iter().all(|a| {
+                    hypothesis
+                        .estimate(&c.full_name(&a.name))
+                        .is_some_and(|(value, _)| value == 0.0)
+                })
+        })
+    };
+    let inert: Vec<String> =
+        groups(&hypothesis.effects).filter(is_inert).flatten().map(|c| c.name.clone()).collect();
+    if inert.is_empty() {
+        return hypothesis;
+    }
+    without(study, &hypothesis, &inert, &mut |p| not_fitted(p)).unwrap_or(hypothesis)
 }
 
 /// A hypothesis without the components of these names, fitted by `fit`.

@@ -33,6 +33,8 @@ pub struct Effect {
     pub connectors: Vec<InventoryConnector>,
     /// Its name, where its class says what has the effect rather than what the effect is.
     pub named: Option<String>,
+    /// The classes of laws that it becomes at a limit of its parameters.
+    pub simpler: Vec<String>,
     /// Its law as a formula.
     pub law: String,
     /// It acts on the sensor, between a variable and its signal.
@@ -87,6 +89,11 @@ impl Effect {
     /// What it is called: its class, unless that says what has the effect rather than what the effect is.
     pub fn name(&self) -> &str {
         self.named.as_ref().unwrap_or(&self.class)
+    }
+
+    /// True if it becomes another law at a limit of its parameters.
+    pub fn contains(&self, other: &Effect) -> bool {
+        self.simpler.contains(&other.class)
     }
 
     /// True if a shape parameter follows from the length of the recordings: a time constant.
@@ -470,6 +477,7 @@ fn read(class: &str, text: &str, role: Role) -> Result<Effect, String> {
             "host" => effect.host = items.map(str::to_owned).collect(),
             "inflow" => effect.inflow = Some(value.trim().to_owned()),
             "named" => effect.named = Some(value.trim().to_owned()),
+            "simpler" => effect.simpler = items.map(str::to_owned).collect(),
             "starts" => effect.starts = Some(value.trim().to_owned()),
             "varies" => effect.varies = Some(value.trim().to_owned()),
             "acts" => effect.acts = Some(value.trim().to_owned()),

@@ -6,7 +6,7 @@ use super::candidate_fit::CandidateFits;
 use super::formula_fit::{allowance, formula_instead, has_formulas};
 use super::held_amplitude::with_held_amplitudes;
 use super::hypothesis::Hypothesis;
-use super::preference::{ends_with_curve, ends_with_variation};
+use super::preference::{ends_with_curve, ends_with_variation, sort_by_preference};
 use super::preliminary_fit::with_preliminary_fits;
 use super::rank::{Scored, rank};
 use super::result::Diagnosis;
@@ -40,15 +40,40 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
         for _ in 0..BATCHES_OF_PROPOSALS {
             let mut proposals = promising(search, &diagnosis.after, &left);
             proposals.retain(|p| p.iter().all(|s| s.gain > notable));
-            let is_supported = |s: &&Scored| s.bic_gain(&diagnosis.after) > policy.evidence;
-            let others = left.iter().filter(is_supported).map(|s| vec![s.clone()]);
-            proposals = with_preliminary_fits(search, &diagnosis.after, proposals, others);
+            let from = &diagnosis.after;
+            let mut hypotheses = decisive_fits(search, from, &proposals, depth);
+            let is_decided = hypotheses.first().is_some_and(|h| decides(search, h));
+            if !is_decided {
+                let is_supported = |s: &&Scored| s.bic_gain(from) > policy.evidence;
+                let others = left.iter().filter(is_supported).map(|s| vec![s.clone()]);
+                proposals = with_preliminary_fits(search, from, proposals, others);
+            }
             if proposals.is_empty() || !search.may_continue() {
                 break;
             }
             left.retain(|s| !proposals.iter().any(|p| p[0].is_same(s)));
-            let from = &diagnosis.after;
-            let mut hypotheses = CandidateFits::new(search, from, &proposals, depth).run();
+            if !is_decided {
+                let is_fitted = |p: &Vec<Scored>| {
+                    let same = |h: &Hypothesis| {
+                        let last = &h.effects[from.effects.len()..];
+                        last.len() == p.len()
+                            && last
+                                .iter()
+                                .zip(p)
+                                .all(|(c, s)| c.effect == s.effect && c.place == s.place)
+                    };
+                    hypotheses.iter().any(same)
+                };
+                let new: Vec<Vec<Scored>> =
+                    proposals.iter().filter(|p| !is_fitted(p)).cloned().collect();
+                let first = std::mem::take(&mut hypotheses);
+                hypotheses = CandidateFits::new(search, from, &new, depth).run();
+                if !first.is_empty() {
+                    hypotheses.extend(first);
+                    let criterion = Hypothesis::total_criterion;
+                    sort_by_preference(search, from, &mut hypotheses, criterion);
+                }
+            }
             hold_undetermined(search, from, &mut hypotheses);
             with_formulas(search, &mut hypotheses);
             if let Some(ranking) = diagnosis.rankings.last() {
@@ -74,6 +99,34 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
             break;
         }
     }
+}
+
+/// Share of the excess from which on what promises most is fitted before any others are looked at.
+const DECISIVE_SHARE: f64 = 0.7;
+
+/// Fits of the proposals, if the first of them promises most of the excess: preliminary fits of many others would only cost
+/// time. A parameter that varies may promise as much in the place of another law.
+fn decisive_fits(
+    search: &Search<'_>,
+    from: &Hypothesis,
+    proposals: &[Vec<Scored>],
+    depth: usize,
+) -> Vec<Hypothesis> {
+    let excess = from.train.total() - from.train.count() as f64;
+    let first = proposals.first().and_then(|p| p.first());
+    let first = first.filter(|s| !search.study.effects[s.effect].is_variation());
+    let promised = first.map_or(0.0, |s| s.gain);
+    let is_decisive = from.chi2_train() >= search.policy().large_effect_above
+        && promised > DECISIVE_SHARE * excess;
+    match is_decisive {
+        true => CandidateFits::new(search, from, proposals, depth).run(),
+        false => Vec::new(),
+    }
+}
+
+/// True for a law that leaves nothing to explain.
+fn decides(search: &Search<'_>, hypothesis: &Hypothesis) -> bool {
+    !ends_with_curve(search.study, hypothesis) && hypothesis.is_resolved(search.policy())
 }
 
 /// Holds the amplitudes of earlier effects that nothing determines any more in the best hypothesis, if that describes the

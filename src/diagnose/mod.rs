@@ -49,6 +49,7 @@ pub mod regrid;
 pub mod residual;
 pub mod result;
 pub mod revise;
+pub mod rival_curves;
 pub mod rivals;
 pub mod run;
 pub mod score;

@@ -12,7 +12,7 @@ use crate::calibrate::data::Split;
 use crate::calibrate::fit::{self, quick_fit};
 use crate::calibrate::observer::{Event, Observer};
 
-use super::backward_elimination::eliminated;
+use super::backward_elimination::{eliminated, without_inert};
 use super::effective_evidence::{eliminate_unsupported, supports_first};
 use super::formula_fit::replace_curves;
 use super::forward_selection::forward_selection;
@@ -26,6 +26,7 @@ use super::policy::SearchPolicy;
 use super::rank::Scored;
 use super::result::{Diagnosis, Verdict};
 use super::revise::{compare_alternatives, revise, select_again, simplify, swap_effects};
+use super::rival_curves::compare_curves;
 use super::sibling_laws::compare_siblings;
 use super::study::{DiagnosisError, Study};
 
@@ -265,6 +266,7 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     }
     simplify(search, &mut diagnosis);
     replace_curves(search, &mut diagnosis);
+    compare_curves(search, &mut diagnosis);
     eliminate_unsupported(search, &mut diagnosis);
     compare_alternatives(search, &mut diagnosis);
     compare_siblings(search, &mut diagnosis);
@@ -344,7 +346,7 @@ fn has_other_noise(search: &Search<'_>, diagnosis: &mut Diagnosis) -> bool {
 /// fitted from the new parameters: if it fits as well from there, it is accepted instead. Returns the
 /// replaced hypothesis.
 pub fn accept(search: &Search<'_>, diagnosis: &mut Diagnosis, better: Hypothesis) -> Hypothesis {
-    let mut best = eliminated(search, better);
+    let mut best = eliminated(search, without_inert(search.study, better));
     let plain = without_effects(search, &best);
     if let Some(plain) = plain.filter(|p| p.train.total() < diagnosis.before.train.total()) {
         search.note(&format!("without any effect from there: {:.4}", plain.chi2_train()));

@@ -2,11 +2,13 @@
 //!
 //! The first of several effects is chosen while the others are missing. A law with more freedom then wins because it takes a
 //! share of them: a porous leak in place of a laminar one, friction with a peak in place of plain friction. Once nothing is
-//! left to explain, the laws at the same place are compared again, none of them with more parameters.
+//! left to explain, the laws at the same place are compared again, none of them with more parameters: first those that the
+//! law becomes at a limit of its own parameters, as a lag without a time constant does. A law with several parameters that
+//! names no part of the machine may also imitate a formula, which is fitted then.
 
 use super::backward_elimination::without;
 use super::candidate_fit::CandidateFits;
-use super::formula_fit::has_formulas;
+use super::formula_fit::{formula_instead, has_formulas};
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::place::Place;
 use super::rank::{Scored, rank_instead};
@@ -56,25 +58,27 @@ fn siblings(search: &Search<'_>, diagnosis: &Diagnosis, k: usize) -> Vec<Hypothe
     let (study, after) = (search.study, &diagnosis.after);
     let own = match groups(&after.effects).nth(k) {
         Some([own]) if is_law(study, own.effect) || is_formula(study, own.effect) => own.clone(),
+        Some([own]) if is_special_variation(study, own.effect) => own.clone(),
         _ => return Vec::new(),
     };
     let rest = without(study, after, std::slice::from_ref(&own.name), &mut |p| not_fitted(p));
     let Some(rest) = rest else { return Vec::new() };
+    let is_simpler = |effect: usize| study.effects[own.effect].contains(&study.effects[effect]);
     let is_sibling = |effect: usize, place: &Place| {
-        effect != own.effect
-            && is_law(study, effect)
-            && is_at(place, &own.place)
+        let is_other = is_law(study, effect)
             && parameters(study, effect) <= parameters(study, own.effect)
-            && !is_known(diagnosis, &own, effect)
+            && !is_known(diagnosis, &own, effect);
+        effect != own.effect && (is_other || is_simpler(effect)) && is_at(place, &own.place)
     };
     let mut ranking = rank_instead(search, after, &rest, &is_sibling);
+    ranking.retain(|s| !is_known(diagnosis, &own, s.effect));
     // Another form of the same law starts from what was found: the score may not see it from afar.
     let found: Option<Vec<f64>> = (study.effects[own.effect].amplitudes.iter())
         .map(|a| after.estimate(&own.full_name(&a.name)).map(|(value, _)| value))
         .collect();
     let is_other_form =
         |s: &Scored| study.effects[s.effect].name() == study.effects[own.effect].name();
-    ranking.sort_by_key(|s| !is_other_form(s));
+    ranking.sort_by_key(|s| !is_simpler(s.effect) && !is_other_form(s));
     for s in ranking.iter_mut().filter(|s| is_other_form(s)) {
         if let Some(found) = found.as_ref().filter(|f| f.len() == s.amplitudes.len()) {
             s.amplitudes.clone_from(found);
@@ -90,7 +94,52 @@ fn siblings(search: &Search<'_>, diagnosis: &Diagnosis, k: usize) -> Vec<Hypothe
         fits.short_fits().into_iter().partition(|h| h.train.total() < most);
     fits.fit_fully(&mut near);
     near.extend(distant);
+    // A name says more than a formula of as many parameters that explains as much.
+    let says_more = |formula: &Hypothesis| {
+        let gained = after.total_criterion() - formula.total_criterion();
+        formula.values.len() < after.values.len() || gained > search.policy().evidence
+    };
+    near.extend(formula(search, after, &rest, &own).filter(says_more));
     near
+}
+
+/// Fitted parameters from which on a law may imitate a formula.
+const MANY_PARAMETERS: usize = 2;
+
+/// The hypothesis with a formula in the place of a term or of a variation of several parameters.
+fn formula(
+    search: &Search<'_>,
+    after: &Hypothesis,
+    rest: &Hypothesis,
+    own: &ChosenEffect,
+) -> Option<Hypothesis> {
+    let study = search.study;
+    let effect = &study.effects[own.effect];
+    let may_imitate = effect.formula.is_none() && (effect.is_variation() || effect.adds.is_some());
+    if !may_imitate || own.fitted.len() < MANY_PARAMETERS || !search.may_continue() {
+        return None;
+    }
+    // The score of the curve follows that of the straight line.
+    let is_of_kind = |k: usize, place: &Place| {
+        let other = &study.effects[k];
+        let is_alike = other.is_variation() == effect.is_variation()
+            && other.adds.is_some() == effect.adds.is_some();
+        is_alike && has_formulas(study, k) && is_at(place, &own.place)
+    };
+    let ranking = rank_instead(search, after, rest, &is_of_kind);
+    let curve = ranking.into_iter().find(|s| study.is_curve(s.effect))?;
+    let proposals = [vec![curve]];
+    let depth = groups(&rest.effects).count();
+    let fitted = CandidateFits::new(search, rest, &proposals, depth).run();
+    let fitted = fitted.first()?;
+    let k = fitted.effects.iter().position(|c| c.effect == proposals[0][0].effect)?;
+    formula_instead(search, fitted, k)
+}
+
+/// True for a law by which a parameter varies that has parameters of its own beside its amplitude.
+fn is_special_variation(study: &Study, effect: usize) -> bool {
+    let own = &study.effects[effect];
+    own.is_variation() && own.formula.is_none() && !study.is_curve(effect)
 }
 
 /// True for a power by which a parameter varies.
@@ -142,13 +191,14 @@ fn is_formula(study: &Study, effect: usize) -> bool {
     study.effects[effect].formula.is_some()
 }
 
-/// True for the same place, and no variables but those of the other.
+/// True for the same place, and no variables but those of the other. A further effect of a sensor reads what the last one
+/// gives.
 fn is_at(place: &Place, own: &Place) -> bool {
     let of_own = |name: &String| own.binds.iter().any(|(_, v)| v == name);
     place.at == own.at
         && place.signal == own.signal
         && place.connections == own.connections
-        && place.binds.iter().all(|(_, name)| of_own(name))
+        && (own.signal.is_some() || place.binds.iter().all(|(_, name)| of_own(name)))
 }
 
 fn parameters(study: &Study, effect: usize) -> usize {

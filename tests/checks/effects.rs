@@ -194,6 +194,16 @@ fn annotations_name_existing_elements() {
             match names {
                 "amplitude" | "named" => {}
                 "of" => assert!(["state", "speed", "term"].contains(&values), "{}", effect.name),
+                "simpler" => {
+                    for class in values.split(',') {
+                        let name = class.strip_prefix("Effects.").expect("a class of Effects");
+                        assert!(
+                            effects().iter().any(|e| e.name == name),
+                            "{}: {name}",
+                            effect.name
+                        );
+                    }
+                }
                 "order" => assert_eq!(values, "first", "{}", effect.name),
                 "follows" => assert_eq!(values, "line", "{}", effect.name),
                 "series" => assert_eq!(values, "true", "{}", effect.name),
