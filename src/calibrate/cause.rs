@@ -97,8 +97,17 @@ causes! {
             remedy(is_table.then(|| "`[data]` of the plan or `--data` names the folder".to_owned()));
         /// The time of a recording does not increase.
         error MO1011 TimeNotIncreasing { place: String, dropped: usize, rows: usize }
-            => ("{place}: the time does not increase in {dropped} of {rows} rows, from here on"),
-            help("sort the rows by time; single rows out of order are skipped automatically");
+            => ("{}", match dropped {
+                0 => format!("{place}: the recording has {}; it needs two or more", match rows {
+                    1 => "1 row".to_owned(),
+                    rows => format!("{rows} rows"),
+                }),
+                _ => format!("{place}: the time does not increase in {dropped} of {rows} rows, from here on"),
+            }),
+            help("{}", match dropped {
+                0 => "record more, or remove the file from the table of the plan",
+                _ => "sort the rows by time; single rows out of order are skipped automatically",
+            });
         /// The noise of a signal cannot be estimated.
         error MO1012 UnknownNoise { column: String, is_smoothed: bool }
             => ("cannot estimate the noise of `{column}`"),

@@ -352,8 +352,8 @@ fn measured(
     let rows = table.count().max(1);
     let place = |line: Option<u64>| format!("{}:{}", path.display(), line.unwrap_or(1));
     if time.len() < 2 || dropped as f64 > REPAIRABLE * rows as f64 {
-        let cause =
-            RecordingCause::TimeNotIncreasing { place: place(first_dropped), dropped, rows };
+        let (place, rows) = (place(first_dropped), table.count());
+        let cause = RecordingCause::TimeNotIncreasing { place, dropped, rows };
         problems.push(Diagnostic::new(cause, Span::NONE));
         return None;
     }
