@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::args::model::{Model, is_standard};
-use super::args::running::{Running, method_named};
+use super::args::running::Running;
 use super::{Status, explain, interrupt, project, style};
 use crate::base::render::render;
 use crate::base::source::SourceMap;
@@ -13,7 +13,7 @@ use crate::ir::flat::Experiment;
 use crate::ir::program::Program;
 use crate::measure::observe::Plan;
 use crate::simulate::failure::Failure;
-use crate::simulate::settings::Settings;
+use crate::simulate::settings::{Method, Settings};
 
 /// The request that compiles the model of a run.
 pub(super) fn request(model: &Model, options: &Running) -> Request {
@@ -52,7 +52,7 @@ pub(super) fn restrict(
 /// The settings of a run: options override the experiment annotation of the model, which overrides those of the project.
 pub(super) fn settings(options: &Running, model: &Model, experiment: &Experiment) -> Settings {
     let project = project(model.file.as_deref());
-    let method = project.method.as_deref().and_then(method_named);
+    let method = project.method.as_deref().and_then(Method::named);
     let experiment = Experiment {
         start: experiment.start,
         stop: options.stop.or(experiment.stop),

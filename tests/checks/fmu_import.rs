@@ -21,10 +21,12 @@ use mocc::fmu::interface::{Role, Start, scalars};
 use mocc::fmu::package;
 use mocc::ir::expr::Type;
 use mocc::ir::foreign::{
-    AfterEvent, AfterStep, At, Foreign, ForeignFault, ForeignFaultKind, ForeignInstance,
-    ForeignInterface, ForeignModel, ForeignRole, ForeignType, ForeignVariable,
+    AfterEvent, AfterStep, At, Foreign, ForeignFailure, ForeignFault, ForeignFaultKind,
+    ForeignInstance, ForeignInterface, ForeignModel, ForeignObserver, ForeignOutcome, ForeignRole,
+    ForeignTask, ForeignType, ForeignVariable, InstanceFault, Obstacle,
 };
 use mocc::ir::program::Program;
+use mocc::simulate::foreign::carry_out;
 use mocc::simulate::run::{Run, simulate};
 use mocc::simulate::settings::Settings;
 use mocc::simulate::stepping::Arrival;
@@ -53,16 +55,18 @@ struct Here {
     watched: Vec<usize>,
 }
 
-fn fault<T, E: fmt::Debug>(outcome: Result<T, E>) -> Result<T, ForeignFault> {
-    outcome.map_err(|why| {
-        let cause = FmuCause::FailedCall {
-            path: "local".to_owned(),
-            call: "a call".to_owned(),
-            status: format!("{why:?}"),
-        };
-        let diagnostic = Box::new(Diagnostic::new(cause, Span::NONE));
-        ForeignFault { kind: ForeignFaultKind::Final, diagnostic }
-    })
+/// Why a call failed.
+#[derive(Debug)]
+struct CallFault(String);
+
+impl InstanceFault for CallFault {
+    fn is_avoidable(&self) -> bool {
+        false
+    }
+}
+
+fn fault<T, E: fmt::Debug>(outcome: Result<T, E>) -> Result<T, CallFault> {
+    outcome.map_err(|why| CallFault(format!("{why:?}")))
 }
 
 impl ForeignModel for Local {
@@ -72,30 +76,47 @@ impl ForeignModel for Local {
     fn interface(&self) -> &ForeignInterface {
         &self.interface
     }
-    fn instantiate(&self, watched: &[usize]) -> Result<Box<dyn ForeignInstance>, ForeignFault> {
+    fn run(
+        &self,
+        task: &ForeignTask,
+        observer: &mut dyn ForeignObserver,
+    ) -> Result<ForeignOutcome, ForeignFailure> {
         let kind = match self.interface.steps_itself {
             true => Kind::Stepping { events: false },
             false => Kind::Exchange,
         };
         let instance = Instance::new(self.program, kind);
-        let (references, watched) = (self.references.clone(), watched.to_vec());
-        Ok(Box::new(Here { instance, references, watched }))
+        let watched = task.watched.iter().map(|(value, _)| *value).collect();
+        let mut here = Here { instance, references: self.references.clone(), watched };
+        let outcome = carry_out(&self.interface.shape(), &mut here, task, observer);
+        outcome.map_err(|(time, why)| ForeignFailure {
+            time,
+            why: match why {
+                Obstacle::Stop(stop) => Obstacle::Stop(stop),
+                Obstacle::Fault(CallFault(status)) => {
+                    let (path, call) = ("local".to_owned(), "a call".to_owned());
+                    let cause = FmuCause::FailedCall { path, call, status };
+                    let diagnostic = Box::new(Diagnostic::new(cause, Span::NONE));
+                    Obstacle::Fault(ForeignFault { kind: ForeignFaultKind::Final, diagnostic })
+                }
+            },
+        })
     }
 }
 
 impl Here {
-    fn put(&mut self, values: &[(usize, f64)]) -> Result<(), ForeignFault> {
+    fn put(&mut self, values: &[(usize, f64)]) -> Result<(), CallFault> {
         values.iter().try_for_each(|(v, x)| fault(self.instance.set(self.references[*v], *x)))
     }
 
-    fn place(&mut self, at: &At<'_>) -> Result<(), ForeignFault> {
+    fn place(&mut self, at: &At<'_>) -> Result<(), CallFault> {
         let exchange = fault(self.instance.exchange())?;
         exchange.set_time(at.t);
         exchange.set_states(at.states);
         self.put(at.inputs)
     }
 
-    fn updated(&mut self) -> Result<AfterEvent, ForeignFault> {
+    fn updated(&mut self) -> Result<AfterEvent, CallFault> {
         let updated = fault(self.instance.update())?;
         fault(self.instance.enter_continuous_mode())?;
         let exchange = fault(self.instance.exchange())?;
@@ -113,12 +134,14 @@ impl Here {
 }
 
 impl ForeignInstance for Here {
+    type Fault = CallFault;
+
     fn initialise(
         &mut self,
         span: [f64; 2],
         tolerance: f64,
         values: &[(usize, f64)],
-    ) -> Result<AfterEvent, ForeignFault> {
+    ) -> Result<AfterEvent, CallFault> {
         self.put(values)?;
         fault(self.instance.set_up(Some(tolerance), span[0], Some(span[1])))?;
         fault(self.instance.enter_initialization())?;
@@ -133,13 +156,13 @@ impl ForeignInstance for Here {
         at: &At<'_>,
         derivatives: &mut [f64],
         indicators: &mut [f64],
-    ) -> Result<(), ForeignFault> {
+    ) -> Result<(), CallFault> {
         self.place(at)?;
         let exchange = fault(self.instance.exchange())?;
         fault(exchange.derivatives(&mut derivatives[..at.states.len()]))?;
         fault(exchange.indicators(indicators))
     }
-    fn jacobian(&mut self, at: &At<'_>, entries: &mut [f64]) -> Result<(), ForeignFault> {
+    fn jacobian(&mut self, at: &At<'_>, entries: &mut [f64]) -> Result<(), CallFault> {
         let n = at.states.len();
         let (mut base, mut moved, mut x) = (vec![0.0; n], vec![0.0; n], at.states.to_vec());
         self.evaluate(at, &mut base, &mut [])?;
@@ -153,29 +176,24 @@ impl ForeignInstance for Here {
         }
         Ok(())
     }
-    fn values(&mut self, at: Option<&At<'_>>, values: &mut [f64]) -> Result<(), ForeignFault> {
+    fn values(&mut self, at: Option<&At<'_>>, values: &mut [f64]) -> Result<(), CallFault> {
         at.map_or(Ok(()), |at| self.place(at))?;
         for (value, v) in values.iter_mut().zip(&self.watched) {
             *value = fault(self.instance.get(self.references[*v]))?;
         }
         Ok(())
     }
-    fn complete(&mut self, at: &At<'_>) -> Result<AfterStep, ForeignFault> {
+    fn complete(&mut self, at: &At<'_>) -> Result<AfterStep, CallFault> {
         self.place(at)?;
         let asks_for_event = fault(self.instance.complete_step())?;
         Ok(AfterStep { reached: at.t, asks_for_event, ends: false })
     }
-    fn event(&mut self, at: &At<'_>) -> Result<AfterEvent, ForeignFault> {
+    fn event(&mut self, at: &At<'_>) -> Result<AfterEvent, CallFault> {
         self.place(at)?;
         fault(self.instance.enter_event_mode())?;
         self.updated()
     }
-    fn step(
-        &mut self,
-        t: f64,
-        size: f64,
-        inputs: &[(usize, f64)],
-    ) -> Result<AfterStep, ForeignFault> {
+    fn step(&mut self, t: f64, size: f64, inputs: &[(usize, f64)]) -> Result<AfterStep, CallFault> {
         self.put(inputs)?;
         let (reached, ends) = match fault(self.instance.step(t, size))? {
             Arrival::Reached => (t + size, false),
@@ -183,11 +201,6 @@ impl ForeignInstance for Here {
             Arrival::Ended(at) => (at, true),
         };
         Ok(AfterStep { reached, ends, ..AfterStep::default() })
-    }
-    fn end(&mut self) {}
-    fn renew(&mut self) -> Result<(), ForeignFault> {
-        self.instance.reset();
-        Ok(())
     }
 }
 

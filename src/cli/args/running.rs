@@ -89,11 +89,6 @@ impl ValueEnum for NamedMethod {
     }
 }
 
-/// The method of a name.
-pub fn method_named(name: &str) -> Option<Method> {
-    NamedMethod::from_str(name, false).ok().map(|named| named.0)
-}
-
 /// Solver of algebraic loops.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Mode {

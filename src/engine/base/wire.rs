@@ -183,6 +183,16 @@ impl<T: Wire> Wire for std::sync::Arc<T> {
     }
 }
 
+impl<T: Wire> Wire for std::sync::Arc<[T]> {
+    fn write(&self, out: &mut Vec<u8>) {
+        self.len().write(out);
+        self.iter().for_each(|item| item.write(out));
+    }
+    fn read(from: &mut Reader<'_>) -> Result<Self, Damaged> {
+        Ok(Vec::<T>::read(from)?.into())
+    }
+}
+
 impl<T: Wire, const N: usize> Wire for [T; N] {
     fn write(&self, out: &mut Vec<u8>) {
         self.iter().for_each(|item| item.write(out));

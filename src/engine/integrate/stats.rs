@@ -23,6 +23,50 @@ pub struct Stats {
     pub restarts: u64,
 }
 
+impl Stats {
+    /// The counters in the order of the fields.
+    pub fn to_array(self) -> [u64; 9] {
+        [
+            self.steps,
+            self.rejected,
+            self.convergence_failures,
+            self.evaluation_failures,
+            self.rhs,
+            self.jacobians,
+            self.decompositions,
+            self.newton_iterations,
+            self.restarts,
+        ]
+    }
+}
+
+impl From<[u64; 9]> for Stats {
+    fn from(counters: [u64; 9]) -> Self {
+        let [
+            steps,
+            rejected,
+            convergence_failures,
+            evaluation_failures,
+            rhs,
+            jacobians,
+            decompositions,
+            newton_iterations,
+            restarts,
+        ] = counters;
+        Stats {
+            steps,
+            rejected,
+            convergence_failures,
+            evaluation_failures,
+            rhs,
+            jacobians,
+            decompositions,
+            newton_iterations,
+            restarts,
+        }
+    }
+}
+
 impl std::ops::Add for Stats {
     type Output = Stats;
 

@@ -12,6 +12,7 @@ pub mod dae;
 pub mod blocks;
 pub mod walk;
 pub mod foreign;
+pub mod foreign_wire;
 pub mod program;
 pub mod program_wire;
 pub mod trajectory;

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use crate::base::wire::{wire_enum, wire_struct};
+
 use super::hermite::{Smoothness, hermite, polynomial, slopes, spline_slopes};
 
 /// How values between two instants are interpolated.
@@ -37,6 +39,9 @@ pub struct TimeSeries {
     interpolation: Interpolation,
     spacing: f64,
 }
+
+wire_enum!(Interpolation { Hold = 0, Linear = 1, Monotone = 2, Spline = 3 });
+wire_struct!(TimeSeries { times, values, slopes, interpolation, spacing });
 
 impl TimeSeries {
     /// Interpolates `values` at increasing `times`; at least one of each, all finite.

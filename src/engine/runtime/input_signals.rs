@@ -9,6 +9,7 @@
 use std::sync::Arc;
 
 use crate::ir::expr::{Type, VarId};
+use crate::ir::foreign::ForeignSignal;
 use crate::ir::program::{Program, Slot};
 use crate::numeric::time_series::{Interpolation, TimeSeries};
 
@@ -55,16 +56,10 @@ impl InputSignals {
             if is_discrete {
                 slots.push((0, program.slot(v)));
             }
-            let has_breakpoints =
-                matches!(series.interpolation(), Interpolation::Hold | Interpolation::Linear);
-            InputSignal {
-                series: Arc::clone(series),
-                delay,
-                interval: series.interval(t, 0),
-                has_breakpoints,
-                is_discrete,
-                slots: slots.into_iter().map(|(_, slot)| slot).collect(),
-            }
+            let mut own = InputSignal::new(Arc::clone(series), delay, t);
+            own.is_discrete = is_discrete;
+            own.slots = slots.into_iter().map(|(_, slot)| slot).collect();
+            own
         };
         let own = sources.iter().map(|(v, series)| one(*v, series, None));
         let delayed = layout.delays.iter().filter_map(|d| {
@@ -72,6 +67,28 @@ impl InputSignals {
             Some(one(d.variable, series, Some(d.delay)))
         });
         InputSignals { signals: own.chain(delayed).collect() }
+    }
+
+    /// Signals that drive the inputs of a foreign model from the instant `t` on; the slots of each follow those of the
+    /// one before.
+    pub fn foreign(signals: &[ForeignSignal], t: f64) -> Self {
+        let mut next = 0;
+        let one = |signal: &ForeignSignal| {
+            let first = next;
+            next += signal.orders as Slot;
+            let mut own = InputSignal::new(Arc::clone(&signal.series), None, t);
+            own.is_discrete = signal.is_discrete;
+            own.slots = (first..next).collect();
+            own
+        };
+        InputSignals { signals: signals.iter().map(one).collect() }
+    }
+
+    /// The signal that is written to a slot, as that of the value with this number.
+    pub fn to_foreign(&self, slot: Slot, value: usize) -> Option<ForeignSignal> {
+        let own = self.signals.iter().find(|p| p.slots.first() == Some(&slot))?;
+        let (series, is_discrete) = (Arc::clone(&own.series), own.is_discrete);
+        Some(ForeignSignal { value, series, is_discrete, orders: own.slots.len() })
     }
 
     /// Finds the intervals of the delayed signals at `t`, now that their delays are known.
@@ -182,6 +199,21 @@ pub struct DelayedSlots {
 }
 
 impl InputSignal {
+    /// A signal from the instant `t` on that is not written yet.
+    fn new(series: Arc<TimeSeries>, delay: Option<Slot>, t: f64) -> Self {
+        let has_breakpoints =
+            matches!(series.interpolation(), Interpolation::Hold | Interpolation::Linear);
+        let interval = series.interval(t, 0);
+        InputSignal {
+            series,
+            delay,
+            interval,
+            has_breakpoints,
+            is_discrete: false,
+            slots: Vec::new(),
+        }
+    }
+
     /// The time by which it is delayed, s; 0 while that is not known.
     #[inline]
     fn lag(&self, memory: &[f64]) -> f64 {

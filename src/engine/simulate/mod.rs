@@ -15,6 +15,7 @@ pub mod extrema;
 pub mod failure;
 pub mod foreign;
 pub mod frequency_response;
+pub mod grid;
 mod history;
 pub mod homotopy;
 pub mod initialization;

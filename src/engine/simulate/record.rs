@@ -1,13 +1,12 @@
 //! Recording: passes rows and events of a run to a sink.
 
-use std::sync::Arc;
-
 use crate::ir::expr::VarId;
 use crate::ir::program::{Program, Slot};
 use crate::ir::trajectory::{Column, ColumnStorage, Constant, Event, Trajectory};
 use crate::runtime::machine::Machine;
 
 use super::columns::{column_storage, columns};
+use super::grid::Grid;
 use super::settings::Settings;
 
 /// Receives the results of a run. Rows come in order of time; an event has two.
@@ -115,14 +114,9 @@ pub struct Recorder {
     rows: usize,
     /// Distance between the values of a row.
     stride: usize,
-    next: u64,
     /// Time of the last row.
     last: f64,
-    count: u64,
-    start: f64,
-    stop: f64,
-    interval: f64,
-    instants: Option<Arc<[f64]>>,
+    grid: Grid,
 }
 
 /// Values per cache line.
@@ -151,17 +145,11 @@ impl Recorder {
     /// Records the variables selected in the program at the instants given by the settings.
     pub fn new(program: &Program, settings: &Settings) -> Self {
         let Settings { start, stop, interval, .. } = *settings;
-        let instants = settings.instants.clone();
+        let grid = Grid::new([start, stop], interval, settings.instants.clone());
         let slots: Vec<(VarId, Slot)> =
             program.recorded.iter().map(|&v| (v, program.slot(v))).collect();
-        // Ignore a last interval of the size of rounding errors.
-        let intervals = (stop - start) / interval;
-        let count = if stop > start { (intervals - 1e-9).ceil() as u64 } else { 0 };
         let rows = rows_of_block(slots.len());
         let (times, block) = (Vec::with_capacity(rows), vec![0.0; rows * slots.len()]);
-        // The start is recorded separately.
-        let passed = |list: &Arc<[f64]>| list.partition_point(|t| *t <= start) as u64;
-        let next = instants.as_ref().map_or(1, passed);
         Recorder {
             slots,
             own: None,
@@ -170,50 +158,30 @@ impl Recorder {
             block,
             rows,
             stride: 1,
-            next,
             last: f64::NAN,
-            count,
-            start,
-            stop,
-            interval,
-            instants,
+            grid,
         }
     }
 
     /// The next instant of the grid, if it is before `end`, or equal to it if `inclusive`.
     pub fn due(&self, end: f64, inclusive: bool) -> Option<f64> {
-        if let Some(list) = &self.instants {
-            let at = *list.get(self.next as usize)?;
-            return (at < end || (inclusive && at <= end)).then_some(at);
-        }
-        let at = match self.next.cmp(&self.count) {
-            std::cmp::Ordering::Less => self.start + self.next as f64 * self.interval,
-            std::cmp::Ordering::Equal => self.stop,
-            std::cmp::Ordering::Greater => return None,
-        };
-        (at < end || (inclusive && at == end)).then_some(at)
+        self.grid.due(end, inclusive)
     }
 
     /// The rows of the grid, and two rows for each of some events.
     pub fn expected_rows(&self) -> usize {
         const MAX_ROWS: u64 = 1 << 20;
-        let due = self.instants.as_ref().map_or(self.count, |list| list.len() as u64);
-        (due.min(MAX_ROWS) + 1) as usize + 2 * EXPECTED_EVENTS
+        self.grid.total().min(MAX_ROWS) as usize + 2 * EXPECTED_EVENTS
     }
 
     /// Advances to the next instant of the grid.
     pub fn advance(&mut self) {
-        self.next += 1;
+        self.grid.advance();
     }
 
     /// True if the last row is at this time.
     pub fn has_row_at(&self, t: f64) -> bool {
         self.last == t
-    }
-
-    /// True if the last row is at this time or later.
-    pub fn has_row_since(&self, t: f64) -> bool {
-        self.last >= t
     }
 
     /// Copies the values of a row; the error is a variable that is not finite.

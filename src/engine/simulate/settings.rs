@@ -32,6 +32,26 @@ pub enum Method {
     Dopri,
 }
 
+impl Method {
+    /// All variants with their names on the command line.
+    pub const ALL: [(&'static str, Method); 4] = [
+        ("auto", Method::Auto),
+        ("radau", Method::Radau),
+        ("bdf", Method::Bdf),
+        ("dopri", Method::Dopri),
+    ];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        Method::ALL[self as usize].0
+    }
+
+    /// The method of a name.
+    pub fn named(name: &str) -> Option<Method> {
+        Method::ALL.iter().find(|(own, _)| *own == name).map(|(_, method)| *method)
+    }
+}
+
 /// Settings of one run.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Settings {

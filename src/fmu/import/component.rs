@@ -12,12 +12,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::chain::{Chains, Message};
 use super::model::{self, Fmu, Integrating};
+use super::remote::Remote;
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastMap;
 use crate::base::source::Span;
 use crate::external::component::Component;
 use crate::fmu::cause::FmuCause;
-use crate::ir::foreign::{ForeignFault, ForeignModel, ForeignRole, SteppingInstance};
+use crate::ir::foreign::{ForeignFault, ForeignModel, ForeignRole};
 
 /// The tolerance of a Co-Simulation whose FMU asks for none.
 const TOLERANCE: f64 = 1e-6;
@@ -30,7 +31,7 @@ thread_local! {
 /// The instance of a run.
 #[derive(Default)]
 struct Live {
-    instance: Option<Box<dyn SteppingInstance + Send>>,
+    instance: Option<Remote>,
     /// The state in which it is.
     at: u64,
     /// The instant, s.
@@ -141,11 +142,11 @@ impl FmuComponent {
             (start, messages.iter().filter_map(value).collect::<Vec<_>>())
         };
         values.sort_by_key(|(value, _)| *value);
-        let mut instance = self.fmu.start_stepping(&self.watched)?;
+        let mut instance = self.fmu.lend(&self.watched)?;
         // The end is not known; a run may last longer than the default experiment of the FMU.
         let stop = f64::INFINITY;
         let tolerance = self.fmu.interface().experiment[3];
-        instance.initialise([start, stop], tolerance.unwrap_or(TOLERANCE), &values)?;
+        instance.begin([start, stop], tolerance.unwrap_or(TOLERANCE), &values)?;
         (live.instance, live.at, live.t) = (Some(instance), run, start);
         Ok(())
     }
@@ -162,11 +163,11 @@ impl FmuComponent {
         };
         let mut live = locked(&live);
         let reached = self.reach(&mut live, run, state).and_then(|()| {
-            let mut values = vec![0.0; self.watched.len()];
-            if let Some(instance) = &mut live.instance {
-                instance.values(&mut values)?;
+            let values = live.instance.as_ref().map_or(&[][..], Remote::values);
+            match values.len() == self.watched.len() {
+                true => Ok(values.to_vec()),
+                false => Err(self.fault("its values are not known")),
             }
-            Ok(values)
         });
         let values = match reached {
             Ok(values) => values,

@@ -1,11 +1,13 @@
 //! The messages between a run and the child process of an FMU.
 //!
-//! A message is its length as four bytes, lowest first, and its content. Each [`Order`] but the
-//! last has one [`Answer`]; the child sends nothing by itself, and ends at the end of the stream.
+//! A message is its length as four bytes, lowest first, and its content. Each [`Order`] but the last has one answer, that
+//! of [`Order::Run`] after any number of [`Answer::Progress`]; the child sends nothing by itself, and ends at the end of
+//! the stream.
 
 use std::io::{self, BufRead, Write};
 
-use crate::base::wire::{Damaged, Reader, Wire, wire_struct};
+use crate::base::wire::{Damaged, Reader, Wire, wire_enum, wire_struct};
+use crate::ir::foreign::{Counters, ForeignOutcome, ForeignShape, ForeignTask, Stop};
 
 use super::description::{Group, Passing};
 
@@ -19,8 +21,8 @@ pub struct Load {
     pub library: String,
     /// FMI 3 rather than 2.
     pub third: bool,
-    /// Co-Simulation rather than Model Exchange.
-    pub stepping: bool,
+    /// Its numbers.
+    pub shape: ForeignShape,
     /// The token.
     pub token: String,
     /// The folder of resources.
@@ -29,25 +31,12 @@ pub struct Load {
     pub folder: String,
     /// The values by their references.
     pub groups: Vec<Group>,
-    /// The values that `Values` asks for.
+    /// The values that are inputs.
+    pub inputs: Vec<usize>,
+    /// The values that answers hold.
     pub watched: Vec<usize>,
     /// Value references of the derivatives and their states, if the FMU differentiates.
     pub states: Vec<(u32, u32)>,
-    /// Number of continuous states.
-    pub state_count: usize,
-    /// Number of event indicators.
-    pub indicators: usize,
-}
-
-/// An instant, states and inputs.
-#[derive(Clone, PartialEq, Debug, Default)]
-pub struct Point {
-    /// The instant, s.
-    pub t: f64,
-    /// The continuous states.
-    pub states: Vec<f64>,
-    /// Numbers of values, and the values.
-    pub inputs: Vec<(usize, f64)>,
 }
 
 /// What the child should do.
@@ -55,22 +44,12 @@ pub struct Point {
 pub enum Order {
     /// Load and instantiate.
     Load(Box<Load>),
-    /// Initialise: start, stop, tolerance, values.
-    Initialise([f64; 3], Vec<(usize, f64)>),
-    /// Derivatives, then indicators.
-    Evaluate(Point),
-    /// Derivatives by states, column by column.
-    Jacobian(Point),
-    /// The watched values, at a point or as they are.
-    Values(Option<Point>),
-    /// The integrator has completed a step.
-    Complete(Point),
-    /// An event.
-    Event(Point),
+    /// A whole run.
+    Run(Box<ForeignTask>),
+    /// Initialise for steps: start, stop, tolerance, values.
+    Begin([f64; 3], Vec<(usize, f64)>),
     /// A step: instant, size, inputs.
     Step(f64, f64, Vec<(usize, f64)>),
-    /// The end of the run.
-    End,
     /// The last order: the process is no longer needed. It has no answer.
     Leave,
 }
@@ -78,20 +57,46 @@ pub enum Order {
 /// What came of it.
 #[derive(Clone, PartialEq, Debug)]
 pub enum Answer {
-    /// Numbers; what they mean depends on the order.
-    Numbers(Vec<f64>),
-    /// States, nominals, indicators, next event, end of the run.
-    Event(Vec<f64>, Vec<f64>, Vec<f64>, Option<f64>, bool),
-    /// Instant reached, an event is asked for, end of the run; the watched values there, if the FMU has integrated.
-    Step(f64, bool, bool, Vec<f64>),
+    /// The order is carried out.
+    Done,
+    /// The run has come to this instant, s; rows and events since the last message.
+    Progress(f64, Counters, Vec<Item>),
+    /// The run has ended.
+    Ended(ForeignOutcome),
+    /// The integration failed at this instant, s.
+    Stopped(f64, Stop),
+    /// Instant reached, s, end of the run, and the watched values there.
+    Stepped(f64, bool, Vec<f64>),
     /// The library cannot be loaded, for this reason.
     NotLoaded(String),
     /// The library needs Python, which cannot be loaded, for this reason.
     NeedsPython(String),
     /// The FMU cannot be instantiated; its messages.
     NotInstantiated(Vec<String>),
-    /// A call failed: its name, the status, messages; the failure is avoidable.
-    Failed(String, String, Vec<String>, bool),
+    /// A call failed.
+    Failed(Box<FailedCall>),
+}
+
+/// A call that returned no success.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct FailedCall {
+    /// The instant that the run has come to, s.
+    pub time: f64,
+    /// The name of the function, with what it was called for.
+    pub call: String,
+    /// The name of the status.
+    pub status: String,
+    /// The messages of the FMU.
+    pub messages: Vec<String>,
+}
+
+/// What a run tells its observer, with the instant, s.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Item {
+    /// The watched values.
+    Row(f64, Vec<f64>),
+    /// An event.
+    Event(f64, String),
 }
 
 impl Wire for Passing {
@@ -107,149 +112,35 @@ wire_struct!(Group { reference, passing, first, count });
 wire_struct!(Load {
     library,
     third,
-    stepping,
+    shape,
     token,
     resources,
     folder,
     groups,
+    inputs,
     watched,
-    states,
-    state_count,
-    indicators,
+    states
 });
-wire_struct!(Point { t, states, inputs });
-
-impl Wire for Order {
-    fn write(&self, out: &mut Vec<u8>) {
-        match self {
-            Order::Load(load) => {
-                out.push(0);
-                load.write(out);
-            }
-            Order::Initialise(span, values) => {
-                out.push(1);
-                span.write(out);
-                values.write(out);
-            }
-            Order::Evaluate(point) => {
-                out.push(2);
-                point.write(out);
-            }
-            Order::Jacobian(point) => {
-                out.push(3);
-                point.write(out);
-            }
-            Order::Values(point) => {
-                out.push(4);
-                point.write(out);
-            }
-            Order::Complete(point) => {
-                out.push(5);
-                point.write(out);
-            }
-            Order::Event(point) => {
-                out.push(6);
-                point.write(out);
-            }
-            Order::Step(t, size, inputs) => {
-                out.push(7);
-                t.write(out);
-                size.write(out);
-                inputs.write(out);
-            }
-            Order::End => out.push(8),
-            Order::Leave => out.push(9),
-        }
-    }
-    fn read(from: &mut Reader<'_>) -> Result<Self, Damaged> {
-        Ok(match from.byte()? {
-            0 => Order::Load(Wire::read(from)?),
-            1 => Order::Initialise(Wire::read(from)?, Wire::read(from)?),
-            2 => Order::Evaluate(Wire::read(from)?),
-            3 => Order::Jacobian(Wire::read(from)?),
-            4 => Order::Values(Wire::read(from)?),
-            5 => Order::Complete(Wire::read(from)?),
-            6 => Order::Event(Wire::read(from)?),
-            7 => Order::Step(Wire::read(from)?, Wire::read(from)?, Wire::read(from)?),
-            8 => Order::End,
-            9 => Order::Leave,
-            _ => return Err(Damaged),
-        })
-    }
-}
-
-impl Wire for Answer {
-    fn write(&self, out: &mut Vec<u8>) {
-        match self {
-            Answer::Numbers(numbers) => {
-                out.push(0);
-                numbers.write(out);
-            }
-            Answer::Event(states, nominals, indicators, next, ends) => {
-                out.push(1);
-                states.write(out);
-                nominals.write(out);
-                indicators.write(out);
-                next.write(out);
-                ends.write(out);
-            }
-            Answer::Step(reached, event, ends, values) => {
-                out.push(2);
-                reached.write(out);
-                event.write(out);
-                ends.write(out);
-                values.write(out);
-            }
-            Answer::NotLoaded(why) => {
-                out.push(3);
-                why.write(out);
-            }
-            Answer::NeedsPython(why) => {
-                out.push(6);
-                why.write(out);
-            }
-            Answer::NotInstantiated(messages) => {
-                out.push(4);
-                messages.write(out);
-            }
-            Answer::Failed(call, status, messages, is_avoidable) => {
-                out.push(5);
-                call.write(out);
-                status.write(out);
-                messages.write(out);
-                is_avoidable.write(out);
-            }
-        }
-    }
-    fn read(from: &mut Reader<'_>) -> Result<Self, Damaged> {
-        Ok(match from.byte()? {
-            0 => Answer::Numbers(Wire::read(from)?),
-            1 => Answer::Event(
-                Wire::read(from)?,
-                Wire::read(from)?,
-                Wire::read(from)?,
-                Wire::read(from)?,
-                Wire::read(from)?,
-            ),
-            2 => Answer::Step(
-                Wire::read(from)?,
-                Wire::read(from)?,
-                Wire::read(from)?,
-                Wire::read(from)?,
-            ),
-            3 => Answer::NotLoaded(Wire::read(from)?),
-            4 => Answer::NotInstantiated(Wire::read(from)?),
-            5 => Answer::Failed(
-                Wire::read(from)?,
-                Wire::read(from)?,
-                Wire::read(from)?,
-                Wire::read(from)?,
-            ),
-            6 => Answer::NeedsPython(Wire::read(from)?),
-            _ => return Err(Damaged),
-        })
-    }
-}
+wire_struct!(FailedCall { time, call, status, messages });
+wire_enum!(Item { Row(t, values) = 0, Event(t, what) = 1 });
+wire_enum!(Order {
+    Load(load) = 0,
+    Run(task) = 1,
+    Begin(span, values) = 2,
+    Step(t, size, inputs) = 3,
+    Leave = 4,
+});
+wire_enum!(Answer {
+    Done = 0,
+    Progress(t, counters, items) = 1,
+    Ended(outcome) = 2,
+    Stopped(t, stop) = 3,
+    Stepped(reached, ends, values) = 4,
+    NotLoaded(why) = 5,
+    NeedsPython(why) = 6,
+    NotInstantiated(messages) = 7,
+    Failed(call) = 8,
+});
 
 /// Sends a message. `buffer` is memory to be used again.
 pub fn send(to: &mut impl Write, what: &impl Wire, buffer: &mut Vec<u8>) -> io::Result<()> {
@@ -278,20 +169,36 @@ pub fn receive<T: Wire>(from: &mut impl BufRead, buffer: &mut Vec<u8>) -> io::Re
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ir::foreign::ForeignSignal;
+    use crate::numeric::time_series::{Interpolation, TimeSeries};
 
     #[test]
     fn messages_arrive_as_they_were_sent() {
         let (mut pipe, mut buffer) = (Vec::new(), Vec::new());
-        let point = Point { t: 0.5, states: vec![1.0, -2.0], inputs: vec![(3, 4.0)] };
         let group = Group { reference: 7, passing: Passing::UInt16, first: 2, count: 3 };
         let load = Load { library: "a.so".into(), groups: vec![group], ..Load::default() };
+        let times: std::sync::Arc<[f64]> = [0.0, 1.0, 2.0].into();
+        let series = TimeSeries::new(times, vec![1.0, 4.0, 2.0], Interpolation::Spline);
+        let signal =
+            ForeignSignal { value: 3, series: series.into(), is_discrete: false, orders: 2 };
+        let task = ForeignTask {
+            span: [0.0, 2.0],
+            tolerance: 1e-6,
+            method: "auto".into(),
+            most_steps: 100,
+            max_step: Some(0.5),
+            interval: 0.1,
+            spacing: 0.1,
+            instants: Some([0.5, 1.0].into()),
+            values: vec![(1, 2.0)],
+            signals: vec![signal],
+            watched: vec![(7, true)],
+        };
         let orders = [
             Order::Load(Box::new(load)),
-            Order::Initialise([0.0, 1.0, 1e-6], vec![(1, 2.0)]),
-            Order::Values(None),
-            Order::Event(point),
+            Order::Run(Box::new(task)),
+            Order::Begin([0.0, 1.0, 1e-6], vec![(1, 2.0)]),
             Order::Step(0.1, 0.2, Vec::new()),
-            Order::End,
             Order::Leave,
         ];
         for order in &orders {
@@ -302,9 +209,21 @@ mod tests {
             assert_eq!(&receive::<Order>(&mut stream, &mut buffer).unwrap(), order);
         }
         assert!(receive::<Order>(&mut stream, &mut buffer).is_err());
-        let answer = Answer::Failed("f".into(), "error".into(), vec!["m".into()], true);
-        pipe.clear();
-        send(&mut pipe, &answer, &mut buffer).unwrap();
-        assert_eq!(receive::<Answer>(&mut pipe.as_slice(), &mut buffer).unwrap(), answer);
+        let answers = [
+            Answer::Done,
+            Answer::Progress(
+                0.5,
+                [1; 9],
+                vec![Item::Row(0.5, vec![1.0]), Item::Event(0.5, "e".into())],
+            ),
+            Answer::Ended(ForeignOutcome { end: 2.0, ..ForeignOutcome::default() }),
+            Answer::Stopped(0.5, Stop::Chattering("e".into(), 1001, 1e-12)),
+            Answer::Failed(Box::new(FailedCall { call: "f".into(), ..FailedCall::default() })),
+        ];
+        for answer in &answers {
+            pipe.clear();
+            send(&mut pipe, answer, &mut buffer).unwrap();
+            assert_eq!(&receive::<Answer>(&mut pipe.as_slice(), &mut buffer).unwrap(), answer);
+        }
     }
 }

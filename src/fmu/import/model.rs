@@ -1,4 +1,4 @@
-//! An FMU as a [`ForeignModel`]: its archive is unpacked once, and each instance gets a child process.
+//! An FMU as a [`ForeignModel`]: its archive is unpacked once, and runs at the same time have a child process each.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -6,7 +6,7 @@ use std::time::SystemTime;
 
 use super::description::{Described, Kind, Unusable, read};
 use super::message::Load;
-use super::remote;
+use super::remote::Remote;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::fmu::archive::Archive;
@@ -14,9 +14,9 @@ use crate::fmu::cause::FmuCause;
 use crate::fmu::description::Version;
 use crate::io::atomic_file::scratch_path;
 use crate::ir::foreign::{
-    ForeignFault, ForeignInstance, ForeignInterface, ForeignModel, SteppingInstance,
+    ForeignFailure, ForeignFault, ForeignInterface, ForeignModel, ForeignObserver, ForeignOutcome,
+    ForeignRole, ForeignTask, Obstacle,
 };
-use crate::simulate::foreign::coupled::Coupled;
 
 /// Who integrates.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -44,7 +44,7 @@ pub struct Fmu {
 
 /// Instances of ended runs, in their processes, that wait for the next.
 #[derive(Default)]
-struct Idle(Mutex<Vec<Box<dyn SteppingInstance + Send>>>);
+struct Idle(Mutex<Vec<Remote>>);
 
 impl std::fmt::Debug for Idle {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -137,7 +137,7 @@ pub fn open(file: &Path, wanted: Integrating) -> Result<Fmu, Box<Diagnostic>> {
     }
     let interface = interface(&described, &kind, stepping);
     let binaries = format!("binaries/{platform}/");
-    let load = load(&described, &kind, stepping, &folder, &library);
+    let load = load(&described, &kind, &interface, &folder, &library);
     // From here on the folder is removed, whatever happens.
     let fmu = Fmu { file: path, folder, interface, load, idle: Idle::default() };
     let resources = fmu.folder.join("resources");
@@ -190,20 +190,26 @@ fn interface(described: &Described, kind: &Kind, stepping: bool) -> ForeignInter
     }
 }
 
-fn load(described: &Described, kind: &Kind, stepping: bool, folder: &Path, library: &str) -> Load {
+fn load(
+    described: &Described,
+    kind: &Kind,
+    interface: &ForeignInterface,
+    folder: &Path,
+    library: &str,
+) -> Load {
     let text = |path: PathBuf| path.to_string_lossy().into_owned();
+    let inputs = interface.variables.iter().filter(|v| v.role == ForeignRole::Input);
     Load {
         library: text(folder.join(library)),
         third: described.version == Version::Three,
-        stepping,
+        shape: interface.shape(),
         token: described.token.clone(),
         resources: text(folder.join("resources")),
         folder: text(folder.to_path_buf()),
         groups: described.groups.clone(),
+        inputs: inputs.map(|v| v.value).collect(),
         watched: Vec::new(),
         states: if kind.differentiates { described.states.clone() } else { Vec::new() },
-        state_count: if stepping { 0 } else { described.state_count },
-        indicators: if stepping { 0 } else { described.indicators },
     }
 }
 
@@ -213,37 +219,20 @@ impl Fmu {
         &self.load.token
     }
 
-    /// A new instance in a process of its own; see [`ForeignModel::instantiate`].
-    pub fn start(
-        &self,
-        watched: &[usize],
-    ) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault> {
-        let load = Load { watched: watched.to_vec(), ..self.load.clone() };
-        remote::start(&self.file, load)
-    }
-}
-
-impl Fmu {
-    /// An instance that steps, in the process of a run that has ended, if there is one; for runs that always watch the
-    /// same values. If the FMU does not integrate itself, mocc does.
-    pub fn start_stepping(
-        &self,
-        watched: &[usize],
-    ) -> Result<Box<dyn SteppingInstance + Send>, ForeignFault> {
+    /// An instance that watches these values, in the process of a run that has ended, if there is one.
+    pub fn lend(&self, watched: &[usize]) -> Result<Remote, ForeignFault> {
         let idle = self.idle.0.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let renewed = idle.and_then(|mut idle| idle.renew().is_ok().then_some(idle));
-        if let Some(renewed) = renewed {
-            return Ok(renewed);
+        if let Some(mut idle) = idle
+            && idle.renew(watched).is_ok()
+        {
+            return Ok(idle);
         }
-        let new = self.start(watched)?;
-        Ok(match self.interface.steps_itself {
-            true => Box::new(new),
-            false => Box::new(Coupled::new(new, &self.interface)),
-        })
+        let load = Load { watched: watched.to_vec(), ..self.load.clone() };
+        Remote::start(&self.file, load)
     }
 
     /// Takes instances of runs that have ended well.
-    pub fn give_back(&self, instances: Vec<Box<dyn SteppingInstance + Send>>) {
+    pub fn give_back(&self, instances: Vec<Remote>) {
         let mut idle = self.idle.0.lock().unwrap_or_else(PoisonError::into_inner);
         let room = MOST_IDLE.saturating_sub(idle.len());
         idle.extend(instances.into_iter().take(room));
@@ -259,8 +248,21 @@ impl ForeignModel for Fmu {
         &self.interface
     }
 
-    fn instantiate(&self, watched: &[usize]) -> Result<Box<dyn ForeignInstance>, ForeignFault> {
-        self.start(watched).map(|instance| instance as Box<dyn ForeignInstance>)
+    fn run(
+        &self,
+        task: &ForeignTask,
+        observer: &mut dyn ForeignObserver,
+    ) -> Result<ForeignOutcome, ForeignFailure> {
+        let watched: Vec<usize> = task.watched.iter().map(|(value, _)| *value).collect();
+        let time = task.span[0];
+        let lent = self.lend(&watched);
+        let mut instance =
+            lent.map_err(|fault| ForeignFailure { time, why: Obstacle::Fault(fault) })?;
+        let outcome = instance.run(task, observer)?;
+        if !outcome.interrupted {
+            self.give_back(vec![instance]);
+        }
+        Ok(outcome)
     }
 }
 

@@ -7,7 +7,10 @@ use super::message::Load;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::fmu::cause::FmuCause;
-use crate::ir::foreign::{ForeignFault, ForeignFaultKind, ForeignInstance};
+use crate::ir::foreign::{
+    AfterStep, ForeignFailure, ForeignFault, ForeignFaultKind, ForeignObserver, ForeignOutcome,
+    ForeignTask,
+};
 
 /// The hidden command of the child.
 pub const COMMAND: &str = "fmu-host";
@@ -21,10 +24,44 @@ pub fn set_limit(_: f64, _: Duration) {}
 /// Without effect.
 pub fn give_up_calls() {}
 
-/// Refuses to start.
-pub fn start(file: &str, _: Load) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault> {
-    let why = "FMUs run on Linux and macOS only".to_owned();
-    let cause = FmuCause::NoProcess { path: file.to_owned(), why };
-    let diagnostic = Box::new(Diagnostic::new(cause, Span::NONE));
-    Err(ForeignFault { kind: ForeignFaultKind::Input, diagnostic })
+/// An instance that cannot be made.
+pub enum Remote {}
+
+impl Remote {
+    /// Refuses to start.
+    pub fn start(file: &str, _: Load) -> Result<Remote, ForeignFault> {
+        let why = "FMUs run on Linux and macOS only".to_owned();
+        let cause = FmuCause::NoProcess { path: file.to_owned(), why };
+        let diagnostic = Box::new(Diagnostic::new(cause, Span::NONE));
+        Err(ForeignFault { kind: ForeignFaultKind::Input, diagnostic })
+    }
+
+    /// There is none.
+    pub fn renew(&mut self, _: &[usize]) -> Result<(), ForeignFault> {
+        match *self {}
+    }
+
+    /// There is none.
+    pub fn begin(&mut self, _: [f64; 2], _: f64, _: &[(usize, f64)]) -> Result<(), ForeignFault> {
+        match *self {}
+    }
+
+    /// There is none.
+    pub fn step(&mut self, _: f64, _: f64, _: &[(usize, f64)]) -> Result<AfterStep, ForeignFault> {
+        match *self {}
+    }
+
+    /// There is none.
+    pub fn values(&self) -> &[f64] {
+        match *self {}
+    }
+
+    /// There is none.
+    pub fn run(
+        &mut self,
+        _: &ForeignTask,
+        _: &mut dyn ForeignObserver,
+    ) -> Result<ForeignOutcome, ForeignFailure> {
+        match *self {}
+    }
 }

@@ -15,16 +15,19 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::host::call_file;
+use super::host::{call_file, time_file};
 use super::library::current_call::LOADING;
 use super::library::process::end_group;
-use super::message::{Answer, Load, Order, Point, receive, send};
+use super::message::{Answer, FailedCall, Item, Load, Order, receive, send};
+use crate::base::cause::Cause;
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
 use crate::fmu::cause::FmuCause;
 use crate::ir::foreign::{
-    AfterEvent, AfterStep, At, ForeignFault, ForeignFaultKind, ForeignInstance,
+    AfterStep, ForeignFailure, ForeignFault, ForeignFaultKind, ForeignObserver, ForeignOutcome,
+    ForeignTask, Obstacle,
 };
+use crate::simulate::foreign::cause_of;
 
 /// The hidden command of the child.
 pub const COMMAND: &str = "fmu-host";
@@ -117,16 +120,17 @@ pub struct Remote {
     buffer: Vec<u8>,
     /// The limit that the socket has now.
     timeout: Duration,
-    states: usize,
     load: Load,
     ended: bool,
     /// See [`Line::busy_since`].
     busy_since: Arc<AtomicU64>,
-    /// The watched values after the last order, if that was a step.
-    after_step: Option<Vec<f64>>,
+    /// The watched values after the last step.
+    now: Vec<f64>,
+    /// The instant that the run has come to, s.
+    time: f64,
 }
 
-fn fault(cause: FmuCause, messages: &[String], kind: ForeignFaultKind) -> ForeignFault {
+fn fault(cause: impl Cause, messages: &[String], kind: ForeignFaultKind) -> ForeignFault {
     let mut diagnostic = Diagnostic::new(cause, Span::NONE);
     for message in messages {
         diagnostic = diagnostic.note(format!("the FMU says: {}", message.trim().escape_debug()));
@@ -134,13 +138,9 @@ fn fault(cause: FmuCause, messages: &[String], kind: ForeignFaultKind) -> Foreig
     ForeignFault { kind, diagnostic: Box::new(diagnostic) }
 }
 
-/// Starts a child and loads the FMU in it.
-pub fn start(file: &str, load: Load) -> Result<Box<dyn ForeignInstance + Send>, ForeignFault> {
-    Ok(Box::new(Remote::start(file, load)?))
-}
-
 impl Remote {
-    fn start(file: &str, load: Load) -> Result<Remote, ForeignFault> {
+    /// Starts a child and loads the FMU in it.
+    pub fn start(file: &str, load: Load) -> Result<Remote, ForeignFault> {
         let no_process = |why: String| {
             fault(FmuCause::NoProcess { path: file.to_owned(), why }, &[], ForeignFaultKind::Final)
         };
@@ -159,7 +159,6 @@ impl Remote {
             .process_group(0)
             .spawn()
             .map_err(failed)?;
-        let states = load.state_count;
         let busy_since = Arc::new(AtomicU64::new(0));
         if let Ok(stream) = own.try_clone() {
             let line = Line { process: child.id(), stream, busy_since: Arc::clone(&busy_since) };
@@ -169,43 +168,55 @@ impl Remote {
             file: file.to_owned(),
             child,
             stream: BufReader::new(own),
-            after_step: None,
+            now: Vec::new(),
+            time: 0.0,
             buffer: Vec::new(),
             timeout: Duration::ZERO,
-            states,
             load,
             ended: false,
             busy_since,
         };
-        remote.renew()?;
+        remote.instantiate()?;
         Ok(remote)
+    }
+
+    /// Makes an instance. It takes the place of the last one.
+    fn instantiate(&mut self) -> Result<(), ForeignFault> {
+        let order = Order::Load(Box::new(self.load.clone()));
+        self.ask(&order, "while it was instantiated").map(|_| ())
+    }
+
+    /// Takes it back to where it was before its initialization; from now on it watches these values.
+    pub fn renew(&mut self, watched: &[usize]) -> Result<(), ForeignFault> {
+        watched.clone_into(&mut self.load.watched);
+        self.instantiate()
     }
 
     /// One order and its answer. A refusal of the FMU is a fault.
     fn ask(&mut self, order: &Order, doing: &str) -> Result<Answer, ForeignFault> {
-        if self.ended {
+        self.send(order, doing)?;
+        self.answer(Some(doing))
+    }
+
+    fn send(&mut self, order: &Order, doing: &str) -> Result<(), ForeignFault> {
+        if self.ended || send(self.stream.get_mut(), order, &mut self.buffer).is_err() {
             return Err(self.has_ended(doing));
         }
-        self.after_step = None;
+        Ok(())
+    }
+
+    /// The next answer to an order that does this, or to that of a run.
+    fn answer(&mut self, doing: Option<&str>) -> Result<Answer, ForeignFault> {
         let (patience, seconds) = patience();
         if patience != self.timeout {
             // The limit only grows shorter near its end; set it when it has changed noticeably.
             self.timeout = patience;
             let _ = self.stream.get_ref().set_read_timeout(Some(patience));
         }
-        if send(self.stream.get_mut(), order, &mut self.buffer).is_err() {
-            return Err(self.has_ended(doing));
-        }
         let begun = now();
         self.busy_since.store(begun, Ordering::Relaxed);
         let answer = receive::<Answer>(&mut self.stream, &mut self.buffer);
         self.busy_since.store(0, Ordering::Relaxed);
-        let answer = match answer {
-            Ok(done @ (Answer::Numbers(_) | Answer::Event(..) | Answer::Step(..))) => {
-                return Ok(done);
-            }
-            other => other,
-        };
         let file = self.file.clone();
         let path = || file.clone();
         match answer {
@@ -222,31 +233,43 @@ impl Remote {
                 let cause = FmuCause::NotInstantiated { path: path() };
                 Err(fault(cause, &messages, ForeignFaultKind::Input))
             }
-            Ok(Answer::Failed(call, status, messages, is_avoidable)) => {
-                let call = format!("`{call}` {doing}");
+            Ok(Answer::Failed(failed)) => {
+                let FailedCall { time, call, status, messages } = *failed;
+                self.time = time;
                 let cause = FmuCause::FailedCall { path: path(), call, status };
-                let kind = match is_avoidable {
-                    true => ForeignFaultKind::Avoidable,
-                    false => ForeignFaultKind::Final,
-                };
-                Err(fault(cause, &messages, kind))
+                Err(fault(cause, &messages, ForeignFaultKind::Final))
             }
-            Ok(answer) => Ok(answer),
+            Ok(answer) => {
+                if let Answer::Progress(t, ..) | Answer::Stopped(t, _) = answer {
+                    self.time = t;
+                }
+                Ok(answer)
+            }
             Err(e) if matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => {
-                let doing = self.long_call(doing);
+                let doing = self.long_call(&self.doing(doing));
                 self.stop();
                 let cause = FmuCause::Hanging { path: path(), seconds, doing };
                 Err(fault(cause, &[], ForeignFaultKind::Final))
             }
             Err(_) if GIVEN_UP.load(Ordering::Relaxed) => {
-                let doing = self.long_call(doing);
+                let doing = self.long_call(&self.doing(doing));
                 self.stop();
                 let seconds = now().saturating_sub(begun) as f64 / 1e3;
                 let cause = FmuCause::Hanging { path: path(), seconds, doing };
                 Err(fault(cause, &[], ForeignFaultKind::Final))
             }
-            Err(_) => Err(self.has_ended(doing)),
+            Err(_) => Err(self.has_ended(&self.doing(doing))),
         }
+    }
+
+    /// What an order does; a run is at the step that the child has noted.
+    fn doing(&self, doing: Option<&str>) -> String {
+        let noted = || {
+            let file = time_file(Path::new(&self.load.folder), self.child.id());
+            let bytes = std::fs::read(file).ok().and_then(|bytes| bytes.try_into().ok());
+            bytes.map_or("during initialization".to_owned(), |b| at_time(f64::from_le_bytes(b)))
+        };
+        doing.map_or_else(noted, str::to_owned)
     }
 
     /// The call that takes long, as the child names it, and when.
@@ -290,40 +313,97 @@ impl Remote {
         fault(FmuCause::NoProcess { path: self.file.clone(), why }, &[], ForeignFaultKind::Final)
     }
 
-    fn numbers(
+    /// A step's answer: the instant that it has reached, and whether the FMU ends the run.
+    fn stepped(&mut self, order: &Order, doing: &str) -> Result<AfterStep, ForeignFault> {
+        match self.ask(order, doing)? {
+            Answer::Stepped(reached, ends, values) => {
+                self.now = values;
+                Ok(AfterStep { reached, asks_for_event: false, ends })
+            }
+            Answer::Stopped(time, stop) => {
+                Err(fault(cause_of(stop, time), &[], ForeignFaultKind::Final))
+            }
+            _ => Err(self.damaged()),
+        }
+    }
+
+    /// Initialises it from `start`, s, on with these values, for steps.
+    pub fn begin(
         &mut self,
-        order: &Order,
-        doing: &str,
-        count: usize,
-    ) -> Result<Vec<f64>, ForeignFault> {
-        match self.ask(order, doing)? {
-            Answer::Numbers(numbers) if numbers.len() == count => Ok(numbers),
-            _ => Err(self.damaged()),
-        }
+        [start, stop]: [f64; 2],
+        tolerance: f64,
+        values: &[(usize, f64)],
+    ) -> Result<(), ForeignFault> {
+        let order = Order::Begin([start, stop, tolerance], values.to_vec());
+        self.stepped(&order, "during initialization").map(drop)
     }
 
-    fn after_event(&mut self, order: &Order, doing: &str) -> Result<AfterEvent, ForeignFault> {
-        match self.ask(order, doing)? {
-            Answer::Event(states, nominals, indicators, next, ends) => {
-                Ok(AfterEvent { states, nominals, indicators, next, ends })
+    /// Steps from `t` by `size`, s, with these inputs.
+    pub fn step(
+        &mut self,
+        t: f64,
+        size: f64,
+        inputs: &[(usize, f64)],
+    ) -> Result<AfterStep, ForeignFault> {
+        self.stepped(&Order::Step(t, size, inputs.to_vec()), &at_time(t))
+    }
+
+    /// The watched values after the last step.
+    pub fn values(&self) -> &[f64] {
+        &self.now
+    }
+
+    /// Carries out a run. The instance is of no further use until it is [renewed](Self::renew).
+    pub fn run(
+        &mut self,
+        task: &ForeignTask,
+        observer: &mut dyn ForeignObserver,
+    ) -> Result<ForeignOutcome, ForeignFailure> {
+        self.time = task.span[0];
+        let followed = self.follow(task, observer);
+        followed.map_err(|why| ForeignFailure { time: self.time, why })
+    }
+
+    fn follow(
+        &mut self,
+        task: &ForeignTask,
+        observer: &mut dyn ForeignObserver,
+    ) -> Result<ForeignOutcome, Obstacle<ForeignFault>> {
+        let sent = self.send(&Order::Run(Box::new(task.clone())), "at the start of the run");
+        sent.map_err(Obstacle::Fault)?;
+        loop {
+            let answer = self.answer(None).map_err(Obstacle::Fault)?;
+            match answer {
+                Answer::Progress(t, counters, items) => {
+                    let mut goes_on = true;
+                    for item in items {
+                        match item {
+                            Item::Row(t, values) => goes_on &= observer.row(t, &values),
+                            Item::Event(t, what) => observer.event(t, what),
+                        }
+                    }
+                    if !goes_on || !observer.goes_on(t, &counters) {
+                        // The child would go on to the end.
+                        self.stop();
+                        let (end, interrupted) = (t, true);
+                        let integrates = !self.load.shape.steps_itself;
+                        let method = integrates.then(|| (task.method.clone(), None));
+                        let outcome = ForeignOutcome::default();
+                        return Ok(ForeignOutcome {
+                            counters,
+                            method,
+                            end,
+                            interrupted,
+                            ..outcome
+                        });
+                    }
+                }
+                Answer::Ended(outcome) => return Ok(outcome),
+                Answer::Stopped(_, stop) => return Err(Obstacle::Stop(stop)),
+                _ => return Err(Obstacle::Fault(self.damaged())),
             }
-            _ => Err(self.damaged()),
         }
     }
-
-    fn after_step(&mut self, order: &Order, doing: &str) -> Result<AfterStep, ForeignFault> {
-        match self.ask(order, doing)? {
-            Answer::Step(reached, asks_for_event, ends, values) => {
-                self.after_step = self.load.stepping.then_some(values);
-                Ok(AfterStep { reached, asks_for_event, ends })
-            }
-            _ => Err(self.damaged()),
-        }
-    }
-}
-
-fn point(at: &At<'_>) -> Point {
-    Point { t: at.t, states: at.states.to_vec(), inputs: at.inputs.to_vec() }
 }
 
 fn at_time(t: f64) -> String {
@@ -343,81 +423,6 @@ fn signal_name(signal: i32) -> String {
         _ => return signal.to_string(),
     };
     format!("{signal} ({name})")
-}
-
-impl ForeignInstance for Remote {
-    fn initialise(
-        &mut self,
-        span: [f64; 2],
-        tolerance: f64,
-        values: &[(usize, f64)],
-    ) -> Result<AfterEvent, ForeignFault> {
-        let order = Order::Initialise([span[0], span[1], tolerance], values.to_vec());
-        self.after_event(&order, "during initialization")
-    }
-
-    fn evaluate(
-        &mut self,
-        at: &At<'_>,
-        derivatives: &mut [f64],
-        indicators: &mut [f64],
-    ) -> Result<(), ForeignFault> {
-        let n = self.states;
-        let order = Order::Evaluate(point(at));
-        let numbers = self.numbers(&order, &at_time(at.t), n + indicators.len())?;
-        derivatives[..n].copy_from_slice(&numbers[..n]);
-        indicators.copy_from_slice(&numbers[n..]);
-        Ok(())
-    }
-
-    fn jacobian(&mut self, at: &At<'_>, entries: &mut [f64]) -> Result<(), ForeignFault> {
-        let order = Order::Jacobian(point(at));
-        let numbers = self.numbers(&order, &at_time(at.t), entries.len())?;
-        entries.copy_from_slice(&numbers);
-        Ok(())
-    }
-
-    fn values(&mut self, at: Option<&At<'_>>, values: &mut [f64]) -> Result<(), ForeignFault> {
-        if let (None, Some(known)) = (at, &self.after_step)
-            && known.len() == values.len()
-        {
-            values.copy_from_slice(known);
-            return Ok(());
-        }
-        let doing = at.map_or_else(|| "between steps".to_owned(), |at| at_time(at.t));
-        let numbers = self.numbers(&Order::Values(at.map(point)), &doing, values.len())?;
-        values.copy_from_slice(&numbers);
-        Ok(())
-    }
-
-    fn complete(&mut self, at: &At<'_>) -> Result<AfterStep, ForeignFault> {
-        self.after_step(&Order::Complete(point(at)), &at_time(at.t))
-    }
-
-    fn event(&mut self, at: &At<'_>) -> Result<AfterEvent, ForeignFault> {
-        self.after_event(&Order::Event(point(at)), &format!("in the event {}", at_time(at.t)))
-    }
-
-    fn step(
-        &mut self,
-        t: f64,
-        size: f64,
-        inputs: &[(usize, f64)],
-    ) -> Result<AfterStep, ForeignFault> {
-        self.after_step(&Order::Step(t, size, inputs.to_vec()), &at_time(t))
-    }
-
-    fn end(&mut self) {
-        if !self.ended {
-            // A failure to end in good order costs the run nothing.
-            let _ = self.ask(&Order::End, "at the end of the run");
-        }
-    }
-
-    fn renew(&mut self) -> Result<(), ForeignFault> {
-        let order = Order::Load(Box::new(self.load.clone()));
-        self.ask(&order, "while it was instantiated").map(|_| ())
-    }
 }
 
 impl Drop for Remote {

@@ -1,225 +1,221 @@
 //! Model Exchange: mocc integrates the states, finds the changes of event indicators, and drives the event iteration.
 
-use crate::base::diag::Diagnostic;
-use crate::base::source::Span;
-use crate::integrate::options::Options;
+use crate::integrate::options::{OptionError, Options};
 use crate::integrate::outcome::Step;
-use crate::ir::foreign::{AfterEvent, At, ForeignInstance, ForeignInterface};
-use crate::ir::trajectory::Event;
-use crate::simulate::cause::RunCause;
-use crate::simulate::failure::{Failure, of_integration};
-use crate::simulate::method::Integrator;
+use crate::ir::foreign::{
+    AfterEvent, At, Counters, ForeignInstance, ForeignObserver, ForeignOutcome, ForeignShape,
+    ForeignTask, Obstacle,
+};
+use crate::simulate::grid::Grid;
+use crate::simulate::method::{Choice, Integrator};
 use crate::simulate::options::{MAX_STEP_INTERVALS, MIN_STEPS};
-use crate::simulate::record::Sink;
-use crate::simulate::run::Statistics;
-use crate::simulate::settings::{Method, Settings};
+use crate::simulate::settings::Method;
 
-use super::failure;
-use super::integration::{Crossing, Exchanged, Integration, Obstacle, Shape, Surroundings};
-use super::rows::Rows;
-
-impl Surroundings for &mut Rows<'_> {
-    fn inputs_at(&mut self, t: f64, out: &mut Vec<(usize, f64)>) {
-        Rows::inputs_at(self, t, out);
-    }
-}
+use super::Met;
+use super::inputs::Inputs;
+use super::integration::{Crossing, Exchanged, Integration, options_of, stop_of};
 
 /// A run in progress.
-struct Exchange<'i, 'r, 'p, 's> {
-    integration: Integration<&'i mut dyn ForeignInstance, &'r mut Rows<'p>>,
-    sink: &'s mut dyn Sink,
+struct Exchange<'i, 'o, I: ForeignInstance> {
+    integration: Integration<&'i mut I, Inputs>,
+    observer: &'o mut dyn ForeignObserver,
+    grid: Grid,
     stop: f64,
+    /// The instant of the last row, s.
+    last: f64,
+    /// The watched values.
+    now: Vec<f64>,
     scratch: Vec<f64>,
-    statistics: Statistics,
+    outcome: ForeignOutcome,
 }
 
 /// Runs the model.
-pub(super) fn run(
-    interface: &ForeignInterface,
-    instance: &mut dyn ForeignInstance,
-    rows: &mut Rows<'_>,
-    settings: &Settings,
-    sink: &mut dyn Sink,
-) -> Result<Statistics, Failure> {
-    let (start, stop) = (settings.start, settings.stop);
-    let values = rows.overridden(start);
-    let started = instance.initialise([start, stop], settings.tolerance, &values);
-    let after = started.map_err(|fault| failure(fault, start))?;
-    rows.begin(sink);
-    let shape = Shape::of(interface);
-    let options = options(shape, rows, settings, &after);
-    let system = Exchanged::new(instance, rows, shape);
+pub(super) fn run<I: ForeignInstance>(
+    shape: &ForeignShape,
+    instance: &mut I,
+    task: &ForeignTask,
+    observer: &mut dyn ForeignObserver,
+) -> Result<ForeignOutcome, Met<I::Fault>> {
+    let [start, stop] = task.span;
+    let started = instance.initialise(task.span, task.tolerance, &task.values);
+    let after = started.map_err(|fault| (start, Obstacle::Fault(fault)))?;
+    let inputs = Inputs::new(&task.signals, start);
+    let options = options(shape, &inputs, task, &after);
+    let system = Exchanged::new(instance, inputs, shape);
     let counted = match shape.states {
         1 => "1 state".to_owned(),
         states => format!("{states} states"),
     };
-    let (method, because) = match (settings.method, shape.indicators) {
+    let wanted = Method::named(&task.method).unwrap_or_default();
+    let (method, because) = match (wanted, shape.indicators) {
         (Method::Auto, 0) if shape.states > 0 => (Method::Auto, Some(counted)),
         (Method::Auto, _) => (Method::Radau, Some(format!("{counted}, events"))),
         (method, _) => (method, None),
     };
     let made = Integrator::of(method, because, &system, options);
-    let (stepper, choice) = made.map_err(|e| Failure::settings(e.to_string()))?;
+    let refused = |e: OptionError| (start, Obstacle::Stop(stop_of(e.into())));
+    let (stepper, choice) = made.map_err(refused)?;
     let mut integration = Integration::begin(system, stepper, shape, start, &after);
     integration.extent = (stop - start).max(stop.abs());
     let mut run = Exchange {
         scratch: vec![0.0; integration.y.len()],
         integration,
-        sink,
+        observer,
+        grid: Grid::new(task.span, task.interval, task.instants.clone()),
         stop,
-        statistics: Statistics { method: choice, ..Statistics::default() },
+        last: f64::NAN,
+        now: vec![0.0; task.watched.len()],
+        outcome: ForeignOutcome::default(),
     };
-    run.record_now()?;
-    run.note_end();
-    run.restart()?;
-    while run.integration.t < run.stop && !run.integration.ended {
-        if !run.sink.goes_on(run.integration.t) {
-            run.statistics.interrupted = true;
-            break;
-        }
-        run.step()?;
-    }
-    let mut statistics = run.statistics;
-    statistics.end = run.integration.t;
-    statistics.integration = *run.integration.stepper.stats();
-    statistics.method = run.integration.stepper.describe(statistics.method);
-    Ok(statistics)
+    run.to_end()?;
+    Ok(run.outcome(choice))
 }
 
-fn options(shape: Shape, rows: &Rows<'_>, settings: &Settings, after: &AfterEvent) -> Options {
-    let mut options = shape.options(settings.tolerance, after);
-    options.max_steps = settings.most_steps;
-    options.max_step = MAX_STEP_INTERVALS * rows.machine.input_signals.spacing();
-    let span = settings.stop - settings.start;
+fn options(
+    shape: &ForeignShape,
+    inputs: &Inputs,
+    task: &ForeignTask,
+    after: &AfterEvent,
+) -> Options {
+    let mut options = options_of(shape, task.tolerance, after);
+    options.max_steps = task.most_steps;
+    options.max_step = MAX_STEP_INTERVALS * inputs.spacing();
+    let span = task.span[1] - task.span[0];
     if span > 0.0 {
-        options.max_step = options.max_step.min(settings.max_step.unwrap_or(span / MIN_STEPS));
+        options.max_step = options.max_step.min(task.max_step.unwrap_or(span / MIN_STEPS));
         if shape.states == 0 {
-            let interval = settings.spacing.unwrap_or(settings.interval);
-            options.max_step = options.max_step.min(interval);
+            options.max_step = options.max_step.min(task.spacing);
         }
     }
     options
 }
 
-impl<'p> Exchange<'_, '_, 'p, '_> {
-    fn rows(&mut self) -> &mut Rows<'p> {
-        self.integration.system.surroundings
+impl<I: ForeignInstance> Exchange<'_, '_, I> {
+    /// Goes to the end of the run. An error says when it was met, s.
+    fn to_end(&mut self) -> Result<(), Met<I::Fault>> {
+        self.record_now()?;
+        self.restart()?;
+        while self.integration.t < self.stop && !self.integration.ended {
+            let counters = self.counters();
+            if self.outcome.interrupted || !self.observer.goes_on(self.integration.t, &counters) {
+                self.outcome.interrupted = true;
+                break;
+            }
+            self.step()?;
+        }
+        Ok(())
     }
 
-    /// Notes that the model has ended the run.
-    fn note_end(&mut self) {
-        if self.integration.ended {
-            self.statistics.terminated = Some("the FMU ends the run".to_owned());
+    fn outcome(self, choice: Choice) -> ForeignOutcome {
+        let counters = self.counters();
+        let choice = self.integration.stepper.describe(choice);
+        ForeignOutcome {
+            counters,
+            method: Some((choice.method.to_owned(), choice.because)),
+            end: self.integration.t,
+            ended: self.integration.ended,
+            ..self.outcome
         }
     }
 
-    /// A failure of the run.
-    fn explained(&mut self, why: Obstacle) -> Failure {
-        let t = self.integration.t;
-        match why {
-            Obstacle::Fault(fault) => failure(fault, t),
-            Obstacle::Integrator(why) => of_integration(&self.rows().machine, why, t),
-        }
+    fn counters(&self) -> Counters {
+        self.integration.stepper.stats().to_array()
     }
 
-    fn restart(&mut self) -> Result<(), Failure> {
-        self.integration.restart().map_err(|why| self.explained(why))
+    fn restart(&mut self) -> Result<(), Met<I::Fault>> {
+        self.integration.restart().map_err(|why| (self.integration.t, why))
     }
 
     /// Records the values at a point.
-    fn record(&mut self, t: f64, y: &[f64]) -> Result<(), Failure> {
+    fn record(&mut self, t: f64, y: &[f64]) -> Result<(), Met<I::Fault>> {
         let system = &mut self.integration.system;
         system.inputs_at(t);
         let at = At { t, states: &y[..system.states], inputs: &system.inputs };
-        system.surroundings.record(system.instance, t, Some(&at), self.sink)
+        let taken = system.instance.values(Some(&at), &mut self.now);
+        taken.map_err(|fault| (t, Obstacle::Fault(fault)))?;
+        self.put(t);
+        Ok(())
     }
 
-    fn record_now(&mut self) -> Result<(), Failure> {
+    fn put(&mut self, t: f64) {
+        self.outcome.interrupted |= !self.observer.row(t, &self.now);
+        self.last = t;
+    }
+
+    fn record_now(&mut self) -> Result<(), Met<I::Fault>> {
         let y = std::mem::take(&mut self.integration.y);
-        let outcome = self.record(self.integration.t, &y);
+        let recorded = self.record(self.integration.t, &y);
         self.integration.y = y;
-        outcome
+        recorded
     }
 
     /// One step of the integrator, and what is due at its end.
-    fn step(&mut self) -> Result<(), Failure> {
-        let machine = &self.rows().machine;
-        let breakpoint = machine.input_signals.next_breakpoint(&machine.memory);
+    fn step(&mut self) -> Result<(), Met<I::Fault>> {
+        let breakpoint = self.integration.system.surroundings.next_breakpoint();
         let t_stop = self.integration.next.min(breakpoint).min(self.stop);
         if t_stop <= self.integration.t {
-            return self.event("time event of the FMU".to_owned());
+            return self.event("time event of the FMU");
         }
-        let (step, crossing) = self.integration.step(t_stop).map_err(|why| self.explained(why))?;
+        let stepped = self.integration.step(t_stop);
+        let (step, crossing) = stepped.map_err(|why| (self.integration.t, why))?;
         if let Some(Crossing { t, indicator: k }) = crossing {
             self.rows_up_to(t, false)?;
             self.integration.stop_at(t);
-            self.statistics.state_events += 1;
+            self.outcome.state_events += 1;
             let sign = if self.integration.positive[k] { "negative" } else { "positive" };
-            return self.event(format!("event indicator {} of the FMU became {sign}", k + 1));
+            return self.event(&format!("event indicator {} of the FMU became {sign}", k + 1));
         }
         let t = self.integration.stepper.t();
         self.rows_up_to(t, true)?;
-        let asks = self.integration.accept().map_err(|fault| failure(fault, t))?;
-        self.note_end();
+        let accepted = self.integration.accept();
+        let asks = accepted.map_err(|fault| (t, Obstacle::Fault(fault)))?;
         let reached = matches!(step, Step::Reached { .. });
-        let machine = &mut self.rows().machine;
-        if reached && t == breakpoint && machine.input_signals.advance_past(t, &machine.memory) {
-            self.statistics.time_events += 1;
-            return self.event("an input jumped".to_owned());
+        if reached && t == breakpoint && self.integration.system.surroundings.advance_past(t) {
+            self.outcome.time_events += 1;
+            return self.event("an input jumped");
         }
         if reached && t == self.integration.next {
-            self.statistics.time_events += 1;
-            return self.event("time event of the FMU".to_owned());
+            self.outcome.time_events += 1;
+            return self.event("time event of the FMU");
         }
         if asks {
-            return self.event("step event of the FMU".to_owned());
+            return self.event("step event of the FMU");
         }
         Ok(())
     }
 
     /// Rows of the grid in the last step.
-    fn rows_up_to(&mut self, end: f64, inclusive: bool) -> Result<(), Failure> {
-        while let Some(at) = self.rows().recorder.due(end, inclusive) {
+    fn rows_up_to(&mut self, end: f64, inclusive: bool) -> Result<(), Met<I::Fault>> {
+        while let Some(at) = self.grid.due(end, inclusive) {
             let mut y = std::mem::take(&mut self.scratch);
             self.integration.states_at(at, &mut y);
-            let outcome = self.record(at, &y);
+            let recorded = self.record(at, &y);
             self.scratch = y;
-            outcome?;
-            self.rows().recorder.advance();
+            recorded?;
+            self.grid.advance();
         }
         Ok(())
     }
 
     /// Executes an event at the current point, with a row before and one after it.
-    fn event(&mut self, what: String) -> Result<(), Failure> {
-        self.check_progress(&what)?;
+    fn event(&mut self, what: &str) -> Result<(), Met<I::Fault>> {
         let t = self.integration.t;
-        if !self.rows().recorder.has_row_at(t) {
+        self.integration.count_event(what).map_err(|why| (t, why))?;
+        if self.last != t {
             self.record_now()?;
         }
-        self.integration.event().map_err(|fault| failure(fault, t))?;
-        self.note_end();
-        // Rows before an event come first.
-        let system = &mut self.integration.system;
-        system.surroundings.recorder.flush(self.sink);
-        self.sink.event(Event { time: t, what, place: String::new() });
+        self.integration.event().map_err(|fault| (t, Obstacle::Fault(fault)))?;
+        self.observer.event(t, what.to_owned());
         if self.integration.ended {
-            system.surroundings.record(system.instance, t, None, self.sink)?;
+            let taken = self.integration.system.instance.values(None, &mut self.now);
+            taken.map_err(|fault| (t, Obstacle::Fault(fault)))?;
+            self.put(t);
         } else {
             self.record_now()?;
         }
-        while self.rows().recorder.due(t, true).is_some() {
-            self.rows().recorder.advance();
+        while self.grid.due(t, true).is_some() {
+            self.grid.advance();
         }
         self.restart()
-    }
-
-    /// Fails if events follow each other without end.
-    fn check_progress(&mut self, what: &str) -> Result<(), Failure> {
-        let Some((events, since)) = self.integration.stuck() else { return Ok(()) };
-        let time = self.integration.t;
-        let relation = what.to_owned();
-        let cause = RunCause::Chattering { time, relation, events, duration: time - since };
-        Err(Failure::numerics(time, Diagnostic::new(cause, Span::NONE)))
     }
 }

@@ -4,14 +4,13 @@
 //! In: an instance for Model Exchange, and whatever gives its inputs. Out: steps, each of which ends at the first
 //! change of a sign. Whoever drives it decides what is recorded and when an event is executed.
 
-use std::ops::DerefMut;
-
 use crate::integrate::options::Options;
+use crate::integrate::outcome::Failure;
 use crate::integrate::outcome::Step;
 use crate::integrate::stepper::JacobianMemory;
 use crate::integrate::system::{EvalError, System};
 use crate::ir::foreign::{
-    AfterEvent, At, ForeignFault, ForeignFaultKind, ForeignInstance, ForeignInterface,
+    AfterEvent, At, ForeignInstance, ForeignShape, InstanceFault, Obstacle, Stop,
 };
 use crate::simulate::method::Integrator;
 
@@ -37,45 +36,27 @@ pub(super) trait Surroundings {
     }
 }
 
-/// The numbers of an interface that integration needs.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Shape {
-    pub states: usize,
-    pub indicators: usize,
-    pub needs_completed_steps: bool,
+/// Integration options for a tolerance and the nominal values of the states.
+pub(super) fn options_of(shape: &ForeignShape, tolerance: f64, after: &AfterEvent) -> Options {
+    let size = |x: &f64| if x.is_finite() && x.abs() > 0.0 { x.abs() } else { 1.0 };
+    let mut nominals: Vec<f64> = after.nominals.iter().map(size).collect();
+    nominals.resize(shape.states.max(1), 1.0);
+    Options::with_nominals(tolerance, &nominals)
 }
 
-impl Shape {
-    pub fn of(interface: &ForeignInterface) -> Shape {
-        let ForeignInterface { states, indicators, needs_completed_steps, .. } = *interface;
-        Shape { states, indicators, needs_completed_steps }
-    }
-
-    /// Integration options for a tolerance and the nominal values of the states.
-    pub fn options(&self, tolerance: f64, after: &AfterEvent) -> Options {
-        let size = |x: &f64| if x.is_finite() && x.abs() > 0.0 { x.abs() } else { 1.0 };
-        let mut nominals: Vec<f64> = after.nominals.iter().map(size).collect();
-        nominals.resize(self.states.max(1), 1.0);
-        Options::with_nominals(tolerance, &nominals)
-    }
-}
-
-/// Why integration cannot go on.
-pub(super) enum Obstacle {
-    /// The model has failed.
-    Fault(ForeignFault),
-    /// The integrator has failed.
-    Integrator(crate::integrate::outcome::Failure),
-}
-
-impl From<ForeignFault> for Obstacle {
-    fn from(fault: ForeignFault) -> Obstacle {
-        Obstacle::Fault(fault)
+/// What the failure of an integrator means.
+pub(super) fn stop_of(why: Failure) -> Stop {
+    match why {
+        Failure::Options(error) => Stop::Options(error.to_string()),
+        Failure::StepTooSmall { h, .. } | Failure::NewtonFailed { h, .. } => Stop::StepTooSmall(h),
+        Failure::Singular { .. } => Stop::Singular,
+        Failure::TooManySteps { steps, .. } => Stop::TooManySteps(steps),
+        Failure::Start { .. } | Failure::NonFinite { .. } | Failure::Eval { .. } => Stop::NotFinite,
     }
 }
 
 /// The model as a system of differential equations.
-pub(super) struct Exchanged<I, S> {
+pub(super) struct Exchanged<I: ForeignInstance, S> {
     pub instance: I,
     pub surroundings: S,
     /// Number of states; a model without any gets a constant one, which is not passed on.
@@ -88,16 +69,15 @@ pub(super) struct Exchanged<I, S> {
     /// Derivatives that nobody reads.
     slopes: Vec<f64>,
     /// The last fault.
-    fault: Option<ForeignFault>,
+    fault: Option<I::Fault>,
 }
 
 impl<I, S> Exchanged<I, S>
 where
-    I: DerefMut,
-    I::Target: ForeignInstance,
+    I: ForeignInstance,
     S: Surroundings,
 {
-    pub fn new(instance: I, surroundings: S, shape: Shape) -> Self {
+    pub fn new(instance: I, surroundings: S, shape: &ForeignShape) -> Self {
         let n = shape.states.max(1);
         Exchanged {
             instance,
@@ -118,17 +98,17 @@ where
     }
 
     /// Evaluates derivatives and indicators.
-    fn evaluate(&mut self, t: f64, y: &[f64], f: &mut [f64]) -> Result<(), ForeignFault> {
+    fn evaluate(&mut self, t: f64, y: &[f64], f: &mut [f64]) -> Result<(), I::Fault> {
         self.inputs_at(t);
         let at = At { t, states: &y[..self.states], inputs: &self.inputs };
         self.instance.evaluate(&at, f, &mut self.indicators)
     }
 
-    fn noted(&mut self, outcome: Result<(), ForeignFault>) -> Result<(), EvalError> {
+    fn noted(&mut self, outcome: Result<(), I::Fault>) -> Result<(), EvalError> {
         outcome.map_err(|fault| {
-            let error = match fault.kind {
-                ForeignFaultKind::Avoidable => EvalError::Recoverable(0),
-                _ => EvalError::Fatal(0),
+            let error = match fault.is_avoidable() {
+                true => EvalError::Recoverable(0),
+                false => EvalError::Fatal(0),
             };
             self.fault = Some(fault);
             error
@@ -137,14 +117,13 @@ where
 
     /// The model has failed for good: another method of integration does not help.
     fn has_failed(&self) -> bool {
-        self.fault.as_ref().is_some_and(|fault| fault.kind != ForeignFaultKind::Avoidable)
+        self.fault.as_ref().is_some_and(|fault| !fault.is_avoidable())
     }
 }
 
 impl<I, S> System for Exchanged<I, S>
 where
-    I: DerefMut,
-    I::Target: ForeignInstance,
+    I: ForeignInstance,
     S: Surroundings,
 {
     fn dim(&self) -> usize {
@@ -191,7 +170,7 @@ pub(super) struct Crossing {
 }
 
 /// An integration in progress.
-pub(super) struct Integration<I, S> {
+pub(super) struct Integration<I: ForeignInstance, S> {
     pub system: Exchanged<I, S>,
     pub stepper: Integrator,
     needs_completed_steps: bool,
@@ -213,15 +192,14 @@ pub(super) struct Integration<I, S> {
 
 impl<I, S> Integration<I, S>
 where
-    I: DerefMut,
-    I::Target: ForeignInstance,
+    I: ForeignInstance,
     S: Surroundings,
 {
     /// Starts at `t` with the state after the initialization.
     pub fn begin(
         system: Exchanged<I, S>,
         stepper: Integrator,
-        shape: Shape,
+        shape: &ForeignShape,
         t: f64,
         after: &AfterEvent,
     ) -> Self {
@@ -251,7 +229,7 @@ where
     }
 
     /// Restarts the integrator at the current point.
-    pub fn restart(&mut self) -> Result<(), Obstacle> {
+    pub fn restart(&mut self) -> Result<(), Obstacle<I::Fault>> {
         if self.ended {
             return Ok(());
         }
@@ -261,27 +239,26 @@ where
     }
 
     /// A failure of the integrator: that of the model, if it caused it.
-    fn explained(&mut self, why: crate::integrate::outcome::Failure) -> Obstacle {
-        use crate::integrate::outcome::Failure;
+    fn explained(&mut self, why: Failure) -> Obstacle<I::Fault> {
         let is_final = self.system.has_failed();
         match (self.system.fault.take(), &why) {
             (Some(fault), _) if is_final => Obstacle::Fault(fault),
             (Some(fault), Failure::Eval { .. }) => Obstacle::Fault(fault),
-            _ => Obstacle::Integrator(why),
+            _ => Obstacle::Stop(stop_of(why)),
         }
     }
 
     /// One step of the integrator, to `t_stop` at most, and the first change of a sign within it. The current point
     /// stays, until [`stop_at`](Self::stop_at) or [`accept`](Self::accept) moves it.
-    pub fn step(&mut self, t_stop: f64) -> Result<(Step, Option<Crossing>), Obstacle> {
+    pub fn step(&mut self, t_stop: f64) -> Result<(Step, Option<Crossing>), Obstacle<I::Fault>> {
         let outcome = self.stepper.step(&mut self.system, t_stop);
         let step = outcome.map_err(|e| self.explained(e))?;
         self.system.fault = None;
-        Ok((step, self.crossing()?))
+        Ok((step, self.crossing().map_err(Obstacle::Fault)?))
     }
 
     /// Whether the sign of an indicator has changed at an instant of the last step, and the first of which it has.
-    fn changed_at(&mut self, t: f64) -> Result<Option<usize>, ForeignFault> {
+    fn changed_at(&mut self, t: f64) -> Result<Option<usize>, I::Fault> {
         if self.system.indicators.is_empty() {
             return Ok(None);
         }
@@ -296,7 +273,7 @@ where
     }
 
     /// The first instant of the last step, up to a tolerance, at which a sign has changed.
-    fn crossing(&mut self) -> Result<Option<Crossing>, ForeignFault> {
+    fn crossing(&mut self) -> Result<Option<Crossing>, I::Fault> {
         let (begin, end) = (self.t, self.stepper.t());
         let mut low = begin;
         let mut high = None;
@@ -335,7 +312,7 @@ where
     }
 
     /// Goes to the end of the last step, and reports it; whether the model asks for an event.
-    pub fn accept(&mut self) -> Result<bool, ForeignFault> {
+    pub fn accept(&mut self) -> Result<bool, I::Fault> {
         self.t = self.stepper.t();
         self.y.copy_from_slice(self.stepper.y());
         if !self.needs_completed_steps {
@@ -350,7 +327,7 @@ where
     }
 
     /// Executes an event at the current point. The integrator must then be restarted.
-    pub fn event(&mut self) -> Result<(), ForeignFault> {
+    pub fn event(&mut self) -> Result<(), I::Fault> {
         let system = &mut self.system;
         system.inputs_at(self.t);
         system.surroundings.changed_parameters(&mut system.inputs);
@@ -361,14 +338,17 @@ where
         Ok(())
     }
 
-    /// Counts an event: the number of events, and since when, if they follow each other without end.
-    pub fn stuck(&mut self) -> Option<(usize, f64)> {
+    /// Counts an event; fails if events follow each other without end.
+    pub fn count_event(&mut self, what: &str) -> Result<(), Obstacle<I::Fault>> {
         let (count, since) = &mut self.at_once;
         if self.t - *since > PROGRESS * self.extent {
             (*count, *since) = (0, self.t);
         }
         *count += 1;
-        (*count > MOST_EVENTS_AT_ONCE).then_some(self.at_once)
+        if *count <= MOST_EVENTS_AT_ONCE {
+            return Ok(());
+        }
+        Err(Obstacle::Stop(Stop::Chattering(what.to_owned(), *count, self.t - *since)))
     }
 
     /// The states at an instant of the last step.

@@ -1,11 +1,11 @@
 //! The values of a foreign model in the memory of its program: inputs and parameters on their way to it, and rows on
-//! their way to the sink.
+//! their way from it to the sink.
 
 use crate::base::diag::Diagnostic;
 use crate::base::index::FastSet;
 use crate::base::source::Span;
 use crate::ir::expr::VarId;
-use crate::ir::foreign::{At, Foreign, ForeignInstance, ForeignRole, ForeignType};
+use crate::ir::foreign::{Foreign, ForeignRole, ForeignSignal, ForeignTask, ForeignType};
 use crate::ir::program::{Program, Slot};
 use crate::runtime::machine::Machine;
 use crate::simulate::cause::{NonFinite, RunCause};
@@ -14,8 +14,6 @@ use crate::simulate::extrema::ExtremumRequest;
 use crate::simulate::failure::{Failure, of_fault};
 use crate::simulate::record::{Recorder, Sink, begin};
 use crate::simulate::settings::Settings;
-
-use super::failure;
 
 /// A variable that the foreign model computes.
 struct Watched {
@@ -31,11 +29,9 @@ pub(super) struct Rows<'p> {
     pub machine: Machine<'p>,
     pub recorder: Recorder,
     /// Distance of the rows, s.
-    pub interval: f64,
+    interval: f64,
     /// Rows so far.
     pub count: u64,
-    /// The values of the last row.
-    pub now: Vec<f64>,
     file: String,
     watched: Vec<Watched>,
     /// Inputs that signals drive: number of the value, and slot of the signal.
@@ -101,7 +97,6 @@ impl<'p> Rows<'p> {
             recorder,
             interval,
             count: 0,
-            now: vec![0.0; watched.len()],
             file: foreign.model.file().to_owned(),
             watched,
             driven,
@@ -110,18 +105,28 @@ impl<'p> Rows<'p> {
         })
     }
 
-    /// The values that the run looks at.
-    pub fn watched(&self) -> Vec<usize> {
-        self.watched.iter().map(|w| w.value).collect()
-    }
-
-    /// Whether each of them varies continuously.
-    pub fn are_real(&self) -> Vec<bool> {
-        self.watched.iter().map(|w| w.is_real).collect()
+    /// The run in terms of the foreign model.
+    pub fn task(&mut self, settings: &Settings) -> ForeignTask {
+        let signals = &self.machine.input_signals;
+        let signal = |(value, slot): &(usize, Slot)| signals.to_foreign(*slot, *value);
+        let signals: Vec<ForeignSignal> = self.driven.iter().filter_map(signal).collect();
+        ForeignTask {
+            span: [settings.start, settings.stop],
+            tolerance: settings.tolerance,
+            method: settings.method.name().to_owned(),
+            most_steps: settings.most_steps,
+            max_step: settings.max_step,
+            interval: self.interval,
+            spacing: settings.spacing.unwrap_or(settings.interval),
+            instants: settings.instants.clone(),
+            values: self.overridden(settings.start),
+            signals,
+            watched: self.watched.iter().map(|w| (w.value, w.is_real)).collect(),
+        }
     }
 
     /// Parameters, start values and inputs that differ from those of the model, by their numbers.
-    pub fn overridden(&mut self, foreign_start: f64) -> Vec<(usize, f64)> {
+    fn overridden(&mut self, foreign_start: f64) -> Vec<(usize, f64)> {
         let program = self.machine.program;
         let Some(foreign) = &program.foreign else { return Vec::new() };
         let interface = foreign.model.interface();
@@ -155,7 +160,7 @@ impl<'p> Rows<'p> {
     }
 
     /// Adds the driven inputs at an instant.
-    pub fn inputs_at(&mut self, t: f64, out: &mut Vec<(usize, f64)>) {
+    fn inputs_at(&mut self, t: f64, out: &mut Vec<(usize, f64)>) {
         self.machine.set_point(t, &[]);
         let memory = &self.machine.memory;
         out.extend(self.driven.iter().map(|(value, slot)| (*value, memory[*slot as usize])));
@@ -171,25 +176,22 @@ impl<'p> Rows<'p> {
         }
     }
 
-    /// Records the values of the model at a point, or as they are.
-    pub fn record(
-        &mut self,
-        instance: &mut dyn ForeignInstance,
-        t: f64,
-        at: Option<&At<'_>>,
-        sink: &mut dyn Sink,
-    ) -> Result<(), Failure> {
-        let mut now = std::mem::take(&mut self.now);
-        let taken = instance.values(at, &mut now);
-        self.now = now;
-        taken.map_err(|fault| failure(fault, t))?;
-        self.put(t, sink)
+    /// Passes the breakpoints of the inputs up to `t`, s, or those before it.
+    pub fn advance_inputs(&mut self, t: f64, inclusive: bool) {
+        let Machine { input_signals, memory, .. } = &mut self.machine;
+        loop {
+            let next = input_signals.next_breakpoint(memory);
+            if next > t || (next == t && !inclusive) {
+                break;
+            }
+            input_signals.advance_past(next, memory);
+        }
     }
 
-    /// Records the values in `now`.
-    pub fn put(&mut self, t: f64, sink: &mut dyn Sink) -> Result<(), Failure> {
+    /// Records the watched values.
+    pub fn put(&mut self, t: f64, values: &[f64], sink: &mut dyn Sink) -> Result<(), Failure> {
         self.machine.set_point(t, &[]);
-        for (w, value) in self.watched.iter().zip(&self.now) {
+        for (w, value) in self.watched.iter().zip(values) {
             self.machine.memory[w.slot as usize] = *value;
             if let Some(signal) = w.signal {
                 self.machine.memory[signal as usize] = *value;

@@ -78,7 +78,7 @@ fn second(
     ) -> *mut c_void;
     let (name, token, resources) =
         (string("mocc"), string(&load.token), string(&uri(&load.resources)));
-    let kind = c_int::from(load.stepping);
+    let kind = c_int::from(load.shape.steps_itself);
     // SAFETY: signature of FMI 2.0; strings and callbacks live long enough.
     unsafe {
         let make = library.get::<Make>(b"fmi2Instantiate").map_err(missing)?;
@@ -118,7 +118,7 @@ fn third(library: &AnyLibrary, load: &Load) -> Result<*mut c_void, Trouble> {
     let (none, unused) = (ptr::null_mut(), ptr::null());
     // SAFETY: signatures of FMI 3.0; all strings live through the call.
     unsafe {
-        if load.stepping {
+        if load.shape.steps_itself {
             let make = library.get::<Stepping>(b"fmi3InstantiateCoSimulation").map_err(missing)?;
             let _call = CurrentCall::enter("fmi3InstantiateCoSimulation");
             let (visible, logging, events, early) = (false, false, false, false);
