@@ -29,7 +29,7 @@ const FAREWELL: Duration = Duration::from_secs(1);
 /// The instance, and what drives it.
 enum Work {
     /// Before its run, or between its own steps.
-    Plain(Hosted),
+    Plain(Box<Hosted>),
     /// mocc integrates it from step to step.
     Coupled(Box<Coupled<Hosted>>),
 }
@@ -52,7 +52,7 @@ pub fn serve() -> io::Result<()> {
                 work = None;
                 match Hosted::new(*load) {
                     Ok(made) => {
-                        work = Some(Work::Plain(made));
+                        work = Some(Work::Plain(Box::new(made)));
                         Answer::Done
                     }
                     Err(trouble) => answer_of(trouble),
@@ -61,14 +61,14 @@ pub fn serve() -> io::Result<()> {
             Order::Run(task) => match (&mut work, &mut progress) {
                 (Some(Work::Plain(instance)), Some(progress)) => {
                     progress.begin();
-                    let outcome = carry_out(&instance.shape(), instance, &task, progress);
+                    let outcome = carry_out(&instance.shape(), &mut **instance, &task, progress);
                     progress.flush();
                     outcome.map_or_else(failed, Answer::Ended)
                 }
                 _ => answer_of(Trouble::NotInstantiated),
             },
             Order::Begin(span, values) => match work.take() {
-                Some(Work::Plain(instance)) => match first(instance, span, &values) {
+                Some(Work::Plain(instance)) => match first(*instance, span, &values) {
                     Ok((new, answer)) => {
                         work = Some(new);
                         answer
@@ -112,7 +112,7 @@ fn first(
             let fault = |fault| (start, Obstacle::Fault(fault));
             instance.initialise([start, stop], tolerance, values).map_err(fault)?;
             instance.values(None, &mut now).map_err(fault)?;
-            Work::Plain(instance)
+            Work::Plain(Box::new(instance))
         }
         false => {
             let mut new =

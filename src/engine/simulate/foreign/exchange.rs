@@ -67,7 +67,7 @@ pub(super) fn run<I: ForeignInstance>(
         now: vec![0.0; task.watched.len()],
         outcome: ForeignOutcome::default(),
     };
-    run.to_end()?;
+    run.run()?;
     Ok(run.outcome(choice))
 }
 
@@ -92,7 +92,7 @@ fn options(
 
 impl<I: ForeignInstance> Exchange<'_, '_, I> {
     /// Goes to the end of the run. An error says when it was met, s.
-    fn to_end(&mut self) -> Result<(), Met<I::Fault>> {
+    fn run(&mut self) -> Result<(), Met<I::Fault>> {
         self.record_now()?;
         self.restart()?;
         while self.integration.t < self.stop && !self.integration.ended {
