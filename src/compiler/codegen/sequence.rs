@@ -202,12 +202,17 @@ pub fn event(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
 }
 
 /// Compiles the relations that the event sequence reads before it can evaluate them, and what they depend on, but for the
-/// discrete variables that follow from them directly; empty if there are none of these.
+/// discrete variables that follow from them directly. Empty if none of these also reads a `pre` value, which changes from
+/// one pass of the event iteration to the next.
 pub fn decided(e: &mut Emitter, blocks: &SortedBlocks, lagged: &[u32]) -> Tape {
     let relations: Vec<usize> = lagged.iter().map(|k| *k as usize).collect();
     let decides: Vec<bool> =
         blocks.event.iter().map(|block| block::decides(e, block, &relations)).collect();
-    if !decides.contains(&true) {
+    let reads_pre = |block: &Block| {
+        let nodes = e.dae.graph.postorder(block.expressions());
+        nodes.into_iter().any(|n| matches!(e.dae.graph.node(n), Node::Pre(_)))
+    };
+    if !blocks.event.iter().zip(&decides).any(|(block, decides)| *decides && reads_pre(block)) {
         return Tape::default();
     }
     reset_levels(e, true);
