@@ -165,8 +165,8 @@ pub fn initial_by_states(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape
     SequenceTape { tape: e.pop_discard(), lagged, begin }
 }
 
-/// Compiles the event sequence, followed by the actions that depend on its result.
-pub fn event(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
+/// Begins a layer in which states are known, as they are at events.
+fn begin_event(e: &mut Emitter, blocks: &SortedBlocks) {
     reset_levels(e, true);
     e.continuous_level = DISCRETE;
     for state in &blocks.states {
@@ -174,6 +174,11 @@ pub fn event(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
     }
     e.push_layer();
     e.floor = DISCRETE;
+}
+
+/// Compiles the event sequence, followed by the actions that depend on its result.
+pub fn event(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
+    begin_event(e, blocks);
     let (lagged, begin) = compile_with_relations(e, &blocks.event, Sequence::Event);
     for k in 0..e.dae.reinits.len() {
         let reinit = e.dae.reinits[k].clone();
@@ -215,13 +220,7 @@ pub fn decided(e: &mut Emitter, blocks: &SortedBlocks, lagged: &[u32]) -> Tape {
     if !blocks.event.iter().zip(&decides).any(|(block, decides)| *decides && reads_pre(block)) {
         return Tape::default();
     }
-    reset_levels(e, true);
-    e.continuous_level = DISCRETE;
-    for state in &blocks.states {
-        e.levels[state.variable.idx()] = Some(DISCRETE);
-    }
-    e.push_layer();
-    e.floor = DISCRETE;
+    begin_event(e, blocks);
     let operands: Vec<ExprId> =
         relations.iter().flat_map(|k| [e.dae.relations[*k].lhs, e.dae.relations[*k].rhs]).collect();
     let needed = Dependencies::new(e, &blocks.event).blocks_for(e, &operands);
