@@ -102,8 +102,7 @@ pub fn rank_instead(
     rank_those(search, hypothesis, Some(replaced), filter)
 }
 
-/// Parameters and variables over which a free curve of the parameter is scored: those with the best straight lines, and
-/// more where a fit costs little.
+/// Parameters and variables over which a free curve of the parameter is scored: those with the best straight lines.
 const CURVED_VARIATIONS: usize = 8;
 
 /// Parameters of which the laws are scored that follow a straight line: those with the best ones.
@@ -133,8 +132,7 @@ fn rank_those(
     let mut best =
         scored(search, hypothesis, replaced, &|k, place| !is_later(k) && filter(k, place));
     let places = sloped_places(search, &best);
-    let most = search.generosity() * CURVED_VARIATIONS;
-    let curved = &places[..places.len().min(most)];
+    let curved = &places[..places.len().min(CURVED_VARIATIONS)];
     let mut following: Vec<&Vec<String>> = Vec::new();
     for place in &places {
         if following.len() < FOLLOWING_PARAMETERS && !following.contains(&&place.at) {

@@ -79,6 +79,7 @@ fn stand(model: &str, plan: &str) -> Scratch {
     scratch.file("table.csv", "file,split\n1.csv,train\n2.csv,validation\n");
     scratch.file("1.csv", &csv(&decay(1)));
     scratch.file("2.csv", &csv(&decay(2)));
+    scratch.file("empty.csv", "t,x_mm\n");
     scratch
 }
 
@@ -503,6 +504,7 @@ fn bad_plans_and_recordings_are_refused_with_place_and_remedy() {
         ("no table", refused("plan.toml", "table.csv", "tables.csv")),
         ("a recording is not there", refused("table.csv", "2.csv", "3.csv")),
         ("time runs backwards", refused("plan.toml", "\"t\"", "\"x_mm\"")),
+        ("a recording without rows", refused("table.csv", "2.csv", "empty.csv")),
         ("nothing to train with", refused("table.csv", "train", "validation")),
         (
             "bounds without room",

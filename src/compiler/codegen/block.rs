@@ -108,12 +108,11 @@ pub fn compile_mixed(e: &mut Emitter, parts: &[Block], relations: &[usize], plac
     for &v in &own {
         e.levels[v.idx()] = Some(layer);
     }
-    let (decisions, others): (Vec<&Block>, Vec<&Block>) =
-        parts.iter().partition(|part| decides(e, part, relations));
-    compile_parts(e, &decisions, layer, place);
+    let decides = decisions(e, parts, relations);
+    compile_parts(e, parts, |i| decides[i], layer, place);
     let decisions = e.pop_discard();
     e.push_layer();
-    compile_parts(e, &others, layer, place);
+    compile_parts(e, parts, |i| !decides[i], layer, place);
     for &k in relations {
         evaluate_relation(e, k, place.sequence);
     }
@@ -133,15 +132,35 @@ pub fn compile_mixed(e: &mut Emitter, parts: &[Block], relations: &[usize], plac
     e.push(target, Op::Iterate, 0, (e.routines.mixed_blocks.len() - 1) as Slot, 0);
 }
 
-/// True for a discrete variable that follows from some relations directly.
-pub fn decides(e: &Emitter, part: &Block, relations: &[usize]) -> bool {
-    let Block::Assign(a) = part else { return false };
-    let is_discrete = e.dae.variables[a.variable].kind == VariableKind::Discrete;
-    is_discrete && relations_in(e, &[a.value]).iter().any(|k| relations.contains(&(*k as usize)))
+/// Which blocks determine discrete variables that follow from some relations directly. None if none of them also reads a
+/// `pre` value: then nothing but these relations changes from one pass of the event iteration to the next.
+pub fn decisions(e: &Emitter, blocks: &[Block], relations: &[usize]) -> Vec<bool> {
+    let decides = |block: &Block| {
+        let Block::Assign(a) = block else { return false };
+        let is_discrete = e.dae.variables[a.variable].kind == VariableKind::Discrete;
+        let read = relations_in(e, &[a.value]);
+        is_discrete && read.iter().any(|k| relations.contains(&(*k as usize)))
+    };
+    let reads_pre = |block: &Block| {
+        let nodes = e.dae.graph.postorder(block.expressions());
+        nodes.into_iter().any(|n| matches!(e.dae.graph.node(n), Node::Pre(_)))
+    };
+    let mut found: Vec<bool> = blocks.iter().map(decides).collect();
+    if !blocks.iter().zip(&found).any(|(block, decides)| *decides && reads_pre(block)) {
+        found.fill(false);
+    }
+    found
 }
 
-fn compile_parts(e: &mut Emitter, parts: &[&Block], layer: Level, place: BlockPosition) {
-    for part in parts {
+/// Emits those parts of a mixed block that are wanted by their positions.
+fn compile_parts(
+    e: &mut Emitter,
+    parts: &[Block],
+    is_wanted: impl Fn(usize) -> bool,
+    layer: Level,
+    place: BlockPosition,
+) {
+    for (_, part) in parts.iter().enumerate().filter(|(i, _)| is_wanted(*i)) {
         compile_block(e, part, place);
         // The remaining parts may change values that were computed from the unknowns of the block.
         e.invalidate_top();

@@ -207,17 +207,11 @@ pub fn event(e: &mut Emitter, blocks: &SortedBlocks) -> SequenceTape {
 }
 
 /// Compiles the relations that the event sequence reads before it can evaluate them, and what they depend on, but for the
-/// discrete variables that follow from them directly. Empty if none of these also reads a `pre` value, which changes from
-/// one pass of the event iteration to the next.
+/// discrete variables that follow from them directly; empty if none of these has a choice ([`block::decisions`]).
 pub fn decided(e: &mut Emitter, blocks: &SortedBlocks, lagged: &[u32]) -> Tape {
     let relations: Vec<usize> = lagged.iter().map(|k| *k as usize).collect();
-    let decides: Vec<bool> =
-        blocks.event.iter().map(|block| block::decides(e, block, &relations)).collect();
-    let reads_pre = |block: &Block| {
-        let nodes = e.dae.graph.postorder(block.expressions());
-        nodes.into_iter().any(|n| matches!(e.dae.graph.node(n), Node::Pre(_)))
-    };
-    if !blocks.event.iter().zip(&decides).any(|(block, decides)| *decides && reads_pre(block)) {
+    let decides = block::decisions(e, &blocks.event, &relations);
+    if !decides.contains(&true) {
         return Tape::default();
     }
     begin_event(e, blocks);

@@ -357,7 +357,7 @@ fn iterate_with(
 /// and discrete variables may have several solutions together, one of which lies where the relations have the signs of the
 /// motion before: a body with dry friction whose speed comes to zero would slide on although it may stick. The next value
 /// of the discrete variables follows from their last one, as in M. Otter, H. Elmqvist and S. E. Mattsson, Hybrid Modeling
-/// in Modelica Based on the Synchronous Data Flow Principle (CACSD 1999), section 4. Where the equations have no solution
+/// in Modelica Based on the Synchronous Data Flow Principle (CACSD 1999). Where the equations have no solution
 /// then, the relations stay.
 fn evaluate_decided(machine: &mut Machine<'_>) {
     let program = machine.program;
