@@ -16,7 +16,7 @@ equation
   factor = exp(k*e);
 
   annotation(__mocc(
-    effect   = "varies=factor; follows=line; amplitude=k; x_0=max(size_of_x); T=1*span(t)",
+    effect   = "varies=factor; follows=line; amplitude=k; x_0=max(size_of_x); T=1*span(t); simpler=Effects.AccumulationVariation",
     law      = "exp(k e), de/dt = |x|/(x_0 T)",
     explains = "The value of %at grows or falls with the time integral of %over."));
 end ExposureVariation;

@@ -18,7 +18,7 @@ equation
   factor = 1 + a*z;
 
   annotation(__mocc(
-    effect   = "varies=factor; follows=line; amplitude=a; x_lo=min(x); x_hi=max(x); tau=0.05*span(t),0.3*span(t); simpler=Effects.LinearVariation,Effects.ExposureVariation",
+    effect   = "varies=factor; follows=line; amplitude=a; x_lo=min(x); x_hi=max(x); tau=0.05*span(t),0.3*span(t); simpler=Effects.LinearVariation,Effects.AccumulationVariation,Effects.ExposureVariation",
     law      = "1 + a z, tau dz/dt = (x - x_lo)/(x_hi - x_lo) - z",
     explains = "The value of %at follows %over with a lag."));
 end LaggedVariation;

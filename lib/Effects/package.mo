@@ -15,6 +15,8 @@ package Effects "Physical effects that a model may lack"
   //   w=0.02*span(u)        the same: a multiple of max(u) - min(u); if it is 0, the effect is not tried
   //   r=2*span(u)/span(t)   the same: a multiple of the range of u per range of t
   //   V=0.1*max(v)          the same: a multiple of the greatest value
+  //   x_s=between(x)        the same: halfway between the Integers that x takes; it is not fitted
+  //   u_0=zero(u)           of a sensor: the zero of the unit of its column; if that is the zero of u, the effect is not tried
   //   host=port_a,port_b    attach to one component that has connectors of these names and classes, each to its namesake;
   //                         without it, an effect with one connector is attached to every connection set of such
   //                         connectors, and one with two to every pair that a component bridges, between every volume
@@ -24,6 +26,8 @@ package Effects "Physical effects that a model may lack"
   //   with has_line=true    a class that has the effect built in: the override that makes it part of the model
   //   varies=factor         parameters of the model are multiplied by this variable of the effect, whose first input is
   //                         bound to each variable that they may vary with, of its unit if it has one
+  //   of=rate               the first input of such an effect is bound to the rate of each state instead
+  //   of=recording          it is bound to the number of the recording alone
   //   follows=line          such an effect is tried for the two parameters only that a law without this entry suits best
   //   series=true           the effect and its host together are another law of the host: a sensor of the host's flow reads
   //                         what flows through both
@@ -36,6 +40,7 @@ package Effects "Physical effects that a model may lack"
   //   of=state              the input is bound to that state only; of a measured variable, to any
   //   of=speed              the same, if it has the unit of a speed or none
   //   of=term               the input is bound to each term that the equation has
+  //   pairs=ordered         of a term of two inputs: exchanged, they make another term
   //   acts=y                equations of the model read this variable of the effect in place of a signal, to which the
   //                         first input of the effect is bound: an input of the model, an output of a component, or a
   //                         variable that an equation of the model is solved for

@@ -22,7 +22,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The training recordings that are not trimmed.
-    fn fitted(&self) -> Vec<&'a Recording> {
+    pub(super) fn fitted(&self) -> Vec<&'a Recording> {
         let all = self.data.of(Split::Train).enumerate();
         all.filter(|(i, _)| !self.trimmed.contains(i)).map(|(_, r)| r).collect()
     }

@@ -31,6 +31,19 @@ impl Problem<'_> {
         Ok(all)
     }
 
+    /// Calls `take` with every residual of the training recordings that are not trimmed and its derivatives by the
+    /// coordinates of the search. Errors: the first recording that cannot be simulated.
+    pub fn each_row(&self, x: &[f64], mut take: impl FnMut(f64, &[f64])) -> Result<(), Failure> {
+        let recordings = self.fitted();
+        let of = |wanted| self.each(&recordings, x, wanted);
+        for (residuals, slopes) in of(Wanted::Residuals).into_iter().zip(of(Wanted::Slopes)) {
+            let rows = slopes?;
+            let rows = rows.chunks_exact(self.parameters.len().max(1));
+            residuals?.iter().zip(rows).for_each(|(residual, row)| take(*residual, row));
+        }
+        Ok(())
+    }
+
     /// The coordinates of the search of these values.
     fn places(&self, values: &[f64]) -> Vec<f64> {
         self.parameters.iter().zip(values).map(|(p, v)| p.scale.place(*v)).collect()

@@ -64,8 +64,14 @@ pub struct Effect {
     pub is_of_state: bool,
     /// Of such a term: it resists a motion, so its input may be a speed.
     pub is_of_speed: bool,
+    /// Of an effect that lets parameters vary: its input is the rate of a state.
+    pub is_of_rate: bool,
+    /// Of such an effect: its input is the number of the recording.
+    pub is_of_recording: bool,
     /// Of such a term: its input is a term that the equation has.
     pub is_of_term: bool,
+    /// Of a term of two inputs: exchanged, they make another term.
+    pub is_ordered: bool,
     /// Of an effect that moves the start of a state: the parameter that is added to it.
     pub starts: Option<String>,
     /// Of an effect that acts on an input of the model: its output, which the model reads instead.
@@ -155,6 +161,12 @@ pub struct Amplitude {
     pub positive: bool,
 }
 
+/// What the zero of the unit of a column is called among the ranges of variables.
+pub const UNIT_ZERO: &str = "unit zero";
+
+/// Most values halfway between Integers.
+const MOST_BETWEEN: f64 = 40.0;
+
 /// The start of a shape parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Start {
@@ -170,6 +182,10 @@ pub enum Start {
     Multiple(f64, String),
     /// This multiple of the greatest value of a variable.
     MultipleOfGreatest(f64, String),
+    /// The values halfway between the Integers that a variable takes.
+    Between(String),
+    /// The zero of the unit in which the recordings have a variable, in the unit of the model.
+    Zero,
     /// This multiple of one variable's range per range of another.
     MultipleOfRate(f64, String, String),
 }
@@ -178,8 +194,9 @@ impl Start {
     /// The variables whose ranges it depends on.
     pub fn variables(&self) -> impl Iterator<Item = &str> {
         let (first, second) = match self {
-            Start::Value(_) => (None, None),
+            Start::Value(_) | Start::Zero => (None, None),
             Start::Spread(v, _)
+            | Start::Between(v)
             | Start::Least(v)
             | Start::Greatest(v)
             | Start::Multiple(_, v)
@@ -198,6 +215,14 @@ impl Start {
         };
         match self {
             Start::Value(x) => vec![*x],
+            Start::Zero => {
+                vec![range(UNIT_ZERO).0].into_iter().filter(|zero| *zero != 0.0).collect()
+            }
+            Start::Between(v) => {
+                let (first, last) = (range(v).0.ceil(), range(v).1.floor());
+                let count = (last - first).clamp(0.0, MOST_BETWEEN) as u32;
+                (0..count).map(|k| first + f64::from(k) + 0.5).collect()
+            }
             Start::Least(v) => vec![range(v).0],
             Start::Greatest(v) => vec![range(v).1],
             Start::MultipleOfGreatest(factor, v) => vec![factor * range(v).1],
@@ -491,6 +516,9 @@ fn read(class: &str, text: &str, role: Role) -> Result<Effect, String> {
                 (effect.is_of_state, effect.is_of_speed) = (true, true);
             }
             "of" if value.trim() == "term" => effect.is_of_term = true,
+            "pairs" if value.trim() == "ordered" => effect.is_ordered = true,
+            "of" if value.trim() == "rate" => effect.is_of_rate = true,
+            "of" if value.trim() == "recording" => effect.is_of_recording = true,
             "over" => effect.over = items.map(str::to_owned).collect(),
             shape => {
                 let starts: Option<Vec<Start>> = items.map(start).collect();
@@ -519,6 +547,8 @@ fn start(item: &str) -> Option<Start> {
     let inner = rest.strip_suffix(')')?.trim().to_owned();
     match head.trim() {
         "min" => Some(Start::Least(inner)),
+        "between" => Some(Start::Between(inner)),
+        "zero" => Some(Start::Zero),
         "max" => Some(Start::Greatest(inner)),
         variable => match inner.parse() {
             Ok(n) => Some(Start::Spread(variable.to_owned(), n)),

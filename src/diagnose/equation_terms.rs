@@ -145,6 +145,9 @@ impl EquationTerms {
                         self.others(&equation.name).take(MAX_FACTORS).collect();
                     for (k, x) in factors.iter().enumerate() {
                         out.extend(factors[k + 1..].iter().map(|y| place(&[x, *y])));
+                        if effect.is_ordered {
+                            out.extend(factors[k + 1..].iter().map(|y| place(&[*y, x])));
+                        }
                     }
                 }
                 _ => {}
@@ -219,6 +222,8 @@ mod tests {
         assert_eq!(bound(rate(), &effect(&["x"])), [["phi"], ["w"], ["F"], ["w - w_2"]]);
         assert_eq!(bound(force(), &effect(&["x"])), [["phi"], ["w"], ["w - w_2"]]);
         assert_eq!(bound(force(), &effect(&["x", "y"])), [["phi", "w"]]);
+        let ordered = Effect { is_ordered: true, ..effect(&["x", "y"]) };
+        assert_eq!(bound(force(), &ordered), [["phi", "w"], ["w", "phi"]]);
         let of_state = Effect { is_of_state: true, ..effect(&["x"]) };
         assert_eq!(bound(rate(), &of_state), [["w"]]);
         assert_eq!(bound(force(), &of_state), [["phi"], ["w"], ["w - w_2"]]);

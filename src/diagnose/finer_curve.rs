@@ -8,7 +8,7 @@ use crate::calibrate::plan::Free;
 use crate::calibrate::problem::Problem;
 
 use super::catalogue::{Amplitude, Effect, Start};
-use super::hypothesis::{Hypothesis, amplitude};
+use super::hypothesis::{ANY_SIGN, Hypothesis, amplitude};
 use super::regrid::{ends, fitted_points, interpolated};
 use super::search::Search;
 
@@ -66,8 +66,9 @@ pub fn with_finer_knots(
     let is_old = |name: &String| coarse.amplitudes.iter().any(|a| *name == old.full_name(&a.name));
     plan.free.retain(|free| !is_old(&free.name));
     for (a, x) in finer.amplitudes.iter().zip(curve.places(number, ends)) {
-        let (full, least) = (chosen.full_name(&a.name), a.positive.then_some(0.0));
-        let free = amplitude(&full, interpolated(&known, x), least, &chosen.place, &chosen.prefix);
+        let (full, least) = (chosen.full_name(&a.name), if a.positive { 0.0 } else { ANY_SIGN });
+        let free =
+            amplitude(&full, interpolated(&known, x), Some(least), &chosen.place, &chosen.prefix);
         plan.free.push(Free { acts_on: None, ..free });
     }
     let mut effects = hypothesis.effects.clone();

@@ -383,6 +383,12 @@ static FORMS: &[Form] = &[
         shapes: &[WIDTH],
         is_zero_at_zero: true,
     },
+    Form {
+        name: "SaturationAndSquare",
+        terms: &[SATURATION, SIGNED_SQUARE],
+        shapes: &[KNEE],
+        is_zero_at_zero: true,
+    },
     Form { name: "Logarithm", terms: &[LOGARITHM], shapes: &[KNEE], is_zero_at_zero: true },
     Form { name: "Reciprocal", terms: &[RECIPROCAL], shapes: &[POLE], is_zero_at_zero: true },
     Form { name: "DeadBand", terms: &[DEAD_BAND], shapes: &[EDGE], is_zero_at_zero: true },

@@ -15,7 +15,7 @@ use super::catalogue::Effect;
 use super::curve_points::{Points, covariance, points_on_curve};
 use super::finer_curve::with_finer_knots;
 use super::formula::{Form, FreeCurve, middle_name, scale_name};
-use super::hypothesis::{ChosenEffect, Hypothesis, RANGE, component_name};
+use super::hypothesis::{ANY_SIGN, ChosenEffect, Hypothesis, RANGE, component_name};
 use super::regrid::{ends, moved_range};
 use super::result::Diagnosis;
 use super::revise::accept_instead;
@@ -152,6 +152,9 @@ struct Knots {
 /// Errors of knots below this share of the greatest value are not trusted.
 const LEAST_ERROR: f64 = 0.01;
 
+/// Knots that a formula needs.
+const LEAST_KNOTS: usize = 3;
+
 /// Points that stand for a straight line.
 const POINTS_ON_LINE: usize = 8;
 
@@ -203,8 +206,10 @@ impl Knots {
             .zip(&effect.amplitudes)
             .filter_map(|((x, estimate), a)| Some((x, estimate?, a.name.as_str())))
             .collect();
-        // Where other parameters take a share of the whole curve, no value has an error, and all count the same.
-        let is_shared = known.iter().all(|(_, (_, error), _)| !error.is_finite());
+        // Where other parameters take a share of the whole curve, no value has an error but those near zero, and all count
+        // the same.
+        let is_known = |(_, (_, error), _): &&(f64, (f64, f64), &str)| error.is_finite();
+        let is_shared = known.iter().filter(is_known).count() < LEAST_KNOTS;
         let (mut at, mut names) = (Vec::new(), Vec::new());
         for (x, (y, _), name) in known.iter().filter(|k| is_shared || k.1.1.is_finite()) {
             at.push((*x, *y));
@@ -229,7 +234,7 @@ impl Knots {
         is_shared: bool,
     ) -> Option<Knots> {
         let greatest = points.at.iter().map(|(_, y)| y.abs()).fold(0.0, f64::max);
-        if points.at.len() < 3 || greatest == 0.0 || high <= low {
+        if points.at.len() < LEAST_KNOTS || greatest == 0.0 || high <= low {
             return None;
         }
         let middle = if curve.is_centred() { rounded(0.5 * (low + high)) } else { 0.0 };
@@ -401,17 +406,23 @@ impl Candidate {
         chosen.fitted.clear();
         let amplitudes = effect.amplitudes.iter().map(|a| a.name.clone()).zip(&self.amplitudes);
         let shapes = self.form.shapes.iter().zip(&self.shapes);
-        let starts = amplitudes
-            .map(|(name, value)| (name, *value, None))
-            .chain(shapes.map(|(s, v)| (s.name.to_owned(), *v, Some(s.range_around(*v)))));
+        let least = (effect.amplitudes.len() > 1).then_some(ANY_SIGN);
+        let starts = amplitudes.map(|(name, value)| (name, *value, (least, None))).chain(
+            shapes.map(|(s, v)| {
+                (s.name.to_owned(), *v, {
+                    let (least, greatest) = s.range_around(*v);
+                    (Some(least), Some(greatest))
+                })
+            }),
+        );
         for (name, start, range) in starts.collect::<Vec<_>>() {
             let full = chosen.full_name(&name);
             plan.free.push(Free {
                 name: full.clone(),
                 targets: vec![full],
                 start: Some(start),
-                min: range.map(|r| r.0),
-                max: range.map(|r| r.1),
+                min: range.0,
+                max: range.1,
                 around: Some(RANGE),
                 acts_on: None,
                 only: None,

@@ -20,6 +20,10 @@ use super::study::{DiagnosisError, Study};
 /// Factor around its start within which a positive parameter of an effect is searched.
 pub const RANGE: f64 = 50.0;
 
+/// Least value of one of several amplitudes that need not be positive: each may change its sign, while a single one keeps that
+/// which its score promises.
+pub const ANY_SIGN: f64 = f64::NEG_INFINITY;
+
 /// Standard errors by which an amplitude that is known differs from 0.
 const KNOWN: f64 = 2.0;
 
@@ -248,7 +252,9 @@ impl Hypothesis {
         let fitted = self.plan.free.iter().zip(&self.values);
         let own = fitted.into_iter().find(|(f, _)| f.targets.iter().any(|t| t == full));
         own.is_some_and(|(free, value)| {
-            let is_near = |bound: f64| (value - bound).abs() <= 1e-6 * bound.abs().max(value.abs());
+            let is_near = |bound: f64| {
+                bound.is_finite() && (value - bound).abs() <= 1e-6 * bound.abs().max(value.abs())
+            };
             free.min.is_some_and(is_near) || free.max.is_some_and(is_near)
         })
     }
@@ -334,7 +340,7 @@ fn attach_one(
             _ if effect.choice.as_ref().is_some_and(Choice::is_of_model) => String::new(),
             _ if effect.built_in => place.at[0].clone(),
             0 => name.clone(),
-            _ => format!("{name}_at_{}", place.at[0]),
+            _ => format!("{name}_at_{}", place.at[0].replace(['.', '[', ']'], "_")),
         };
         let mut fitted = Vec::new();
         let starts = &scored.amplitudes[j * effect.amplitudes.len()..];
@@ -343,6 +349,7 @@ fn attach_one(
             let (start, min) = match a.positive && !place.is_signed {
                 true if *start > 0.0 => (*start, Some(0.0)),
                 true => (0.0, Some(0.0)),
+                false if effect.amplitudes.len() > 1 => (*start, Some(ANY_SIGN)),
                 false => (*start, None),
             };
             let free = amplitude(&full, start, min, &place, &component);
@@ -389,6 +396,10 @@ fn attach_one(
 
 /// True for a shape parameter that is fitted: one with several starts, unless it chooses a side.
 fn is_fitted_shape(starts: &[Start]) -> bool {
+    // Between two Integers, a step may be anywhere.
+    if starts.iter().any(|s| matches!(s, Start::Between(_))) {
+        return false;
+    }
     let several = starts.len() > 1 || starts.iter().any(|s| matches!(s, Start::Spread(..)));
     let chooses_side = starts.iter().all(|s| matches!(s, Start::Value(v) if v.abs() == 1.0));
     several && !chooses_side

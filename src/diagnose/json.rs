@@ -235,12 +235,18 @@ fn over(effect: &Effect, group: &[ChosenEffect]) -> Vec<String> {
     let is_of_instrument = effect.of_signal || effect.acts.is_some();
     match effect.has_free_inputs() || is_of_instrument {
         true => {
-            let bound = group[0].place.binds.iter().map(|(_, variable)| variable);
+            let bound = group.iter().flat_map(|c| &c.place.binds).map(|(_, variable)| variable);
             let names = |variable: &String| match as_difference(variable) {
                 Some((a, b)) => vec![a.to_owned(), b.to_owned()],
                 None => vec![variable.clone()],
             };
-            bound.flat_map(names).collect()
+            let mut all: Vec<String> = Vec::new();
+            for name in bound.flat_map(names) {
+                if !all.contains(&name) {
+                    all.push(name);
+                }
+            }
+            all
         }
         false => effect.over.clone(),
     }

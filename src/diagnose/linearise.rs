@@ -124,10 +124,118 @@ impl<'a> Linearisation<'a> {
 
     /// The normal equations with a batch of candidates; `None` if they cannot be simulated together.
     pub fn with(&self, batch: &[usize]) -> Option<Linearised> {
+        let Linearisation { study, hypothesis, candidates, replaced, .. } = *self;
+        let free = hypothesis.plan.free.len();
+        self.attached(batch, |problem, first| {
+            let mut normal = problem.normal(&problem.start()).ok()?;
+            let is_validated = self.is_validated && replaced.is_none();
+            let validation =
+                is_validated.then(|| problem.normal_of_split(Split::Validation, &problem.start()));
+            let share = match replaced {
+                None => normal.cost / hypothesis.train.total(),
+                Some(replaced) => {
+                    let of = |(k, s): (usize, &Vec<f64>)| match problem.trimmed.contains(&k) {
+                        true => 0.0,
+                        false => s.iter().sum(),
+                    };
+                    let used = replaced.train.squares.iter().enumerate().map(of).sum::<f64>();
+                    used / replaced.train.total()
+                }
+            };
+            if replaced.is_some() {
+                remove_contributions(&mut normal, &contributions(study, hypothesis, problem));
+            }
+            // A parameter that is pushed against its bound absorbs nothing.
+            let x = problem.start();
+            let at_bound = at_bound(&normal, &problem.parameters[..free], &x[..free]);
+            (0..free).filter(|k| at_bound[*k]).for_each(|k| remove_column(&mut normal, k));
+            let validation = validation.and_then(Result::ok).filter(NormalEquations::is_finite);
+            let is_signed = candidates.iter().map(|c| c.place.is_signed).collect();
+            Some(Linearised { normal, validation, free, first, is_signed, share })
+        })
+    }
+
+    /// The normal equations with the candidates of all batches, from runs of one batch each: candidates with states of their
+    /// own make the steps of all others in a run cost more. Batches that cannot be simulated are split. `None` if nothing can.
+    pub fn together(
+        &self,
+        batches: &[Vec<usize>],
+        may_continue: impl Fn() -> bool,
+    ) -> Option<Linearised> {
+        let cores = parallel::cores();
+        let with = Linearisation { jobs: cores.div_ceil(batches.len().max(1)), ..*self };
+        let of_batch = |k: usize| with.columns(&batches[k]);
+        let all = parallel::map_while(cores, batches.len(), may_continue, of_batch);
+        let mut parts: Vec<Columns> = all.into_iter().flatten().flatten().collect();
+        let rows = parts.first()?.residuals.len();
+        parts.retain(|part| part.residuals.len() == rows);
+        let free = self.hypothesis.plan.free.len();
+        let mut first = vec![None; self.candidates.len()];
+        let mut count = free;
+        for part in &parts {
+            for (candidate, at) in &part.members {
+                first[*candidate] = Some(count + at - free);
+            }
+            count += part.width - free;
+        }
+        let of_rows = |chunk: usize| {
+            let mut normal = NormalEquations::new(count);
+            let mut row = Vec::with_capacity(count);
+            for k in (chunk * rows / cores)..((chunk + 1) * rows / cores) {
+                row.clear();
+                row.extend_from_slice(&parts[0].slopes[k * parts[0].width..][..free]);
+                let own = |part: &Columns| k * part.width + free..(k + 1) * part.width;
+                parts.iter().for_each(|part| row.extend_from_slice(&part.slopes[own(part)]));
+                normal.add(parts[0].residuals[k], &row);
+            }
+            normal
+        };
+        let mut normal = NormalEquations::new(count);
+        parallel::map(cores, cores, of_rows).iter().for_each(|part| normal.merge(part));
+        let at_bound = &parts[0].at_bound;
+        (0..free).filter(|k| at_bound[*k]).for_each(|k| remove_column(&mut normal, k));
+        let share = normal.cost / self.hypothesis.train.total();
+        let is_signed = self.candidates.iter().map(|c| c.place.is_signed).collect();
+        Some(Linearised { normal, validation: None, free, first, is_signed, share })
+    }
+
+    /// The derivatives of the residuals with a batch of candidates; if these cannot be simulated together, those of each half.
+    fn columns(&self, batch: &[usize]) -> Vec<Columns> {
+        let free = self.hypothesis.plan.free.len();
+        let found = self.attached(batch, |problem, first| {
+            let (x, width) = (problem.start(), problem.parameters.len());
+            let (mut residuals, mut slopes) = (Vec::new(), Vec::new());
+            let mut own = NormalEquations::new(free);
+            let rows = problem.each_row(&x, |residual, row| {
+                residuals.push(residual);
+                slopes.extend_from_slice(row);
+                own.add(residual, &row[..free]);
+            });
+            rows.ok()?;
+            let at_bound = at_bound(&own, &problem.parameters[..free], &x[..free]);
+            let members = batch.iter().filter_map(|i| Some((*i, first[*i]?))).collect();
+            let is_finite = slopes.iter().all(|s: &f64| s.is_finite());
+            is_finite.then_some(Columns { residuals, slopes, width, members, at_bound })
+        });
+        match (found, batch.len()) {
+            (Some(columns), _) => vec![columns],
+            (None, 0 | 1) => Vec::new(),
+            (None, count) => {
+                let (left, right) = batch.split_at(count / 2);
+                [left, right].into_iter().flat_map(|half| self.columns(half)).collect()
+            }
+        }
+    }
+
+    /// Calls `of` with the problem that has a batch of candidates attached, and the position of the first amplitude of each.
+    fn attached<T>(
+        &self,
+        batch: &[usize],
+        of: impl FnOnce(&Problem<'_>, Vec<Option<usize>>) -> Option<T>,
+    ) -> Option<T> {
         let Linearisation { study, hypothesis, candidates, instants, replaced, .. } = *self;
         let mut all = attached(study, &hypothesis.effects);
         let mut plan = hypothesis.plan.clone();
-        let free = plan.free.len();
         if batch.len() > study.policy.batch {
             plan.allowance = STEPS_OF_MANY;
         }
@@ -148,32 +256,21 @@ impl<'a> Linearisation<'a> {
         let mut problem = problem?;
         problem.jobs = self.jobs;
         problem.trimmed = surplus(&problem, replaced.unwrap_or(hypothesis), instants);
-        let mut normal = problem.normal(&problem.start()).ok()?;
-        let is_validated = self.is_validated && replaced.is_none();
-        let validation =
-            is_validated.then(|| problem.normal_of_split(Split::Validation, &problem.start()));
-        let share = match replaced {
-            None => normal.cost / hypothesis.train.total(),
-            Some(replaced) => {
-                let of = |(k, s): (usize, &Vec<f64>)| match problem.trimmed.contains(&k) {
-                    true => 0.0,
-                    false => s.iter().sum(),
-                };
-                let used = replaced.train.squares.iter().enumerate().map(of).sum::<f64>();
-                used / replaced.train.total()
-            }
-        };
-        if replaced.is_some() {
-            remove_contributions(&mut normal, &contributions(study, hypothesis, &problem));
-        }
-        // A parameter that is pushed against its bound absorbs nothing.
-        let x = problem.start();
-        let at_bound = at_bound(&normal, &problem.parameters[..free], &x[..free]);
-        (0..free).filter(|k| at_bound[*k]).for_each(|k| remove_column(&mut normal, k));
-        let validation = validation.and_then(Result::ok).filter(NormalEquations::is_finite);
-        let is_signed = candidates.iter().map(|c| c.place.is_signed).collect();
-        Some(Linearised { normal, validation, free, first, is_signed, share })
+        of(&problem, first)
     }
+}
+
+/// The residuals of a hypothesis and their derivatives by its parameters and by the amplitudes of some candidates.
+struct Columns {
+    residuals: Vec<f64>,
+    /// Residual by residual.
+    slopes: Vec<f64>,
+    /// Derivatives of a residual.
+    width: usize,
+    /// The candidates, each with the position of its first amplitude.
+    members: Vec<(usize, usize)>,
+    /// The parameters of the hypothesis that are pushed against a bound.
+    at_bound: Vec<bool>,
 }
 
 /// The columns of the effects of a hypothesis, and the distance of each from having no effect.

@@ -10,6 +10,7 @@
 //! thresholds stand in [`policy`].
 
 pub mod adapter;
+pub mod alike_components;
 pub mod amended_model;
 pub mod backward_elimination;
 pub mod balance;

@@ -10,7 +10,7 @@ use super::formula_fit::has_formulas;
 use super::hypothesis::Hypothesis;
 use super::linearise::{Linearisation, Linearised};
 use super::preliminary_fit::with_preliminary_fits;
-use super::rank::{Candidate, Scored};
+use super::rank::{Candidate, Scored, batches};
 use super::result::Diagnosis;
 use super::revise::accept_first_better;
 use super::search::Search;
@@ -90,8 +90,8 @@ pub fn pairs(
     search.note(&format!("scoring pairs of {} effects", members.len()));
     let linearisation = Linearisation::new(study, hypothesis, &candidates, policy.score_instants);
     let all: Vec<usize> = (0..candidates.len()).collect();
-    let together =
-        linearisation.with(&all).or_else(|| linearisation.with(&feasible(&linearisation, &all)));
+    let batches = batches(study, &candidates, &all);
+    let together = linearisation.together(&batches, || !search.is_cancelled());
     let Some(linearised) = together else { return Vec::new() };
     let mut all = scored(search, hypothesis, &members, &linearised.projected());
     all.sort_by(|a, b| b.bic_gain.total_cmp(&a.bic_gain));
@@ -144,19 +144,6 @@ pub fn pairs(
     let varies = |pair: &Vec<Scored>| pair.iter().any(|s| study.effects[s.effect].varies.is_some());
     best.sort_by_key(varies);
     best
-}
-
-/// The candidates that can be simulated, of a batch that cannot be: each half is tried by itself.
-fn feasible(linearisation: &Linearisation<'_>, batch: &[usize]) -> Vec<usize> {
-    if batch.len() < 2 {
-        return Vec::new();
-    }
-    let (left, right) = batch.split_at(batch.len() / 2);
-    let of_half = |half: &[usize]| match linearisation.with(half) {
-        Some(_) => half.to_vec(),
-        None => feasible(linearisation, half),
-    };
-    [left, right].into_iter().flat_map(of_half).collect()
 }
 
 impl Member<'_> {

@@ -72,7 +72,7 @@ impl Place {
 }
 
 /// Largest number of hosts that have an effect together.
-const MAX_HOSTS: usize = 8;
+pub const MAX_HOSTS: usize = 8;
 
 /// Most connection sets of a model in which flows between volumes that nothing bridges are hypotheses: their number grows
 /// with the square.

@@ -42,7 +42,7 @@ pub struct SearchPolicy {
     /// `further_steps`. Default 20. Effects that make a model stiff or let it chatter are rarely what it lacks, and take
     /// most of the time.
     pub steps_factor: u64,
-    /// Steps that any such run may take. Default 20 000.
+    /// Steps that any such run may take. Default 2000.
     pub further_steps: u64,
     /// Share of the excess over noise, of the fitted recordings and of those held out, below which a partial explanation is
     /// not worth to be named. Default 0.1.
@@ -233,7 +233,7 @@ impl Default for SearchPolicy {
             explained_limit: 3.0,
             most_that_leave_something: 3,
             steps_factor: 20,
-            further_steps: 20_000,
+            further_steps: 2_000,
             partial_share: 0.1,
             evidence: 30.0,
             structure_limit: 4.5,

@@ -165,11 +165,13 @@ fn rank_those(
 }
 
 /// Of a parameter that may as well vary with one variable as with another, such as a position and the volume that it
-/// determines, puts the measured one first.
+/// determines, puts the measured one first, and one of the same component before those of others.
 fn measured_first(study: &Study, ranking: &mut [Scored]) {
-    let is_measured = |s: &Scored| {
-        let measured = |name: &String| study.is_measured(name);
-        s.place.binds.iter().all(|(_, name)| measured(name))
+    let closeness = |s: &Scored| {
+        let component = s.place.at.first().and_then(|at| component_of(at));
+        let all = |is: &dyn Fn(&String) -> bool| s.place.binds.iter().all(|(_, name)| is(name));
+        let is_own = component.is_some() && all(&|name| component_of(name) == component);
+        (all(&|name| study.is_measured(name)), is_own)
     };
     for k in 1..ranking.len() {
         let mut j = k;
@@ -177,13 +179,18 @@ fn measured_first(study: &Study, ranking: &mut [Scored]) {
             && study.effects[ranking[j].effect].has_free_inputs()
             && ranking[j].place.at == ranking[j - 1].place.at
             && ranking[j].promises_as(&ranking[j - 1])
-            && is_measured(&ranking[j])
-            && !is_measured(&ranking[j - 1])
+            && closeness(&ranking[j]) > closeness(&ranking[j - 1])
         {
             ranking.swap(j, j - 1);
             j -= 1;
         }
     }
+}
+
+/// The component that a variable, or the rate of one, belongs to.
+fn component_of(name: &str) -> Option<&str> {
+    let own = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')')).unwrap_or(name);
+    own.rsplit_once('.').map(|(component, _)| component)
 }
 
 /// Scores those that `filter` admits, in no order.
@@ -358,7 +365,7 @@ fn trials(
 
 /// Splits candidates into batches that run together: those of one effect and shape always do, and two shapes
 /// of an effect that is built into a component never do.
-fn batches(study: &Study, candidates: &[Candidate], selected: &[usize]) -> Vec<Vec<usize>> {
+pub fn batches(study: &Study, candidates: &[Candidate], selected: &[usize]) -> Vec<Vec<usize>> {
     let mut blocks: Vec<Vec<usize>> = Vec::new();
     for i in selected.iter().copied() {
         let c = &candidates[i];

@@ -110,8 +110,10 @@ pub fn sentences(effects: &[Effect], chosen: &[ChosenEffect]) -> Vec<String> {
         let at: Vec<&str> =
             group.iter().flat_map(|c| c.place.at.iter().map(String::as_str)).collect();
         let effect = &effects[group[0].effect];
-        let binds = group[0].place.binds.iter().filter(|(own, _)| effect.is_named_in_law(own));
-        let over: Vec<&str> = binds.map(|(_, v)| v.as_str()).collect();
+        let binds = group.iter().flat_map(|c| &c.place.binds);
+        let binds = binds.filter(|(own, _)| effect.is_named_in_law(own));
+        let mut over: Vec<&str> = binds.map(|(_, v)| v.as_str()).collect();
+        over.dedup();
         let explains = &effects[group[0].effect].explains;
         let sentence = match at.as_slice() {
             [a, b] if group[0].place.is_between() => {

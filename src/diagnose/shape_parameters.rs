@@ -1,10 +1,11 @@
 //! The shape parameters with which effects are scored, derived from the ranges that their variables cover.
 
 use crate::base::diag::Problems;
+use crate::base::index::FastMap;
 use crate::calibrate::data::Split;
 use crate::calibrate::problem::Problem;
 
-use super::catalogue::{Effect, Start};
+use super::catalogue::{Effect, Start, UNIT_ZERO};
 use super::hypothesis::{Hypothesis, attached};
 use super::model_source::Attached;
 use super::place::Place;
@@ -51,20 +52,38 @@ pub fn shapes_at(
     };
     let mut starts = parameters.iter().flat_map(|(_, starts)| starts);
     let says_time = study.effects[effect].follows_line && starts.any(hardly_changes);
-    (is_known && !says_time)
-        .then(|| shapes(&study.effects[effect], |v| known(v).unwrap_or_default()))
+    (is_known && !says_time).then(|| {
+        shapes(&study.effects[effect], |v| match v == UNIT_ZERO {
+            true => (unit_zero(study, place), 0.0),
+            false => known(v).unwrap_or_default(),
+        })
+    })
+}
+
+/// The zero of the unit of the column that a sensor fills, in the unit of its variable.
+fn unit_zero(study: &Study, place: &Place) -> f64 {
+    place.signal.map_or(0.0, |k| study.plan.signals[k].unit.offset)
 }
 
 /// The ranges that the variables of effects cover at their places.
 pub fn ranges(study: &Study, hypothesis: &Hypothesis, all: &[(usize, Place)]) -> Ranges {
     let mut out = Ranges::new();
+    let (known, time) = (ranges_of_model(study, hypothesis, all), time_range(study));
     let mut wanted: Vec<(usize, &Place, Vec<String>)> = Vec::new();
     for (k, place) in all {
         let mut variables: Vec<String> = Vec::new();
         for start in study.effects[*k].shape_parameters.iter().flat_map(|(_, starts)| starts) {
             for v in start.variables() {
-                if !variables.iter().any(|known| known == v) {
-                    variables.push(v.to_owned());
+                let is_new = !variables.iter().any(|known| known == v)
+                    && range_of(&out, *k, place, v).is_none();
+                let bound = match is_time(&study.effects[*k], v) {
+                    true => Some(time),
+                    false => Bound::of(place, v).and_then(|bound| bound.range(&known)),
+                };
+                match bound.filter(|_| is_new) {
+                    Some(range) => out.push(((*k, place.clone()), v.to_owned(), range)),
+                    None if is_new => variables.push(v.to_owned()),
+                    None => {}
                 }
             }
         }
@@ -76,6 +95,54 @@ pub fn ranges(study: &Study, hypothesis: &Hypothesis, all: &[(usize, Place)]) ->
         probe(study, hypothesis, batch, &mut out);
     }
     out
+}
+
+/// A variable of an effect that follows from a variable of the model without the effect: an input, or its magnitude.
+struct Bound<'a> {
+    variable: &'a str,
+    is_magnitude: bool,
+}
+
+impl<'a> Bound<'a> {
+    fn of(place: &'a Place, own: &str) -> Option<Bound<'a>> {
+        let input = own.strip_prefix(MAGNITUDE);
+        let is_bound = |(name, _): &&(String, String)| name == input.unwrap_or(own);
+        let (_, variable) = place.binds.iter().find(is_bound)?;
+        Some(Bound { variable, is_magnitude: input.is_some() })
+    }
+
+    fn range(&self, known: &FastMap<String, (f64, f64)>) -> Option<(f64, f64)> {
+        let (low, high) = *known.get(self.variable)?;
+        Some(match self.is_magnitude {
+            true if low <= 0.0 && high >= 0.0 => (0.0, high.max(-low)),
+            true => (low.abs().min(high.abs()), low.abs().max(high.abs())),
+            false => (low, high),
+        })
+    }
+}
+
+/// The ranges of the variables of the model that inputs of effects are bound to, from one run without them: each effect that
+/// is attached costs steps. Empty if the model cannot be simulated.
+fn ranges_of_model(
+    study: &Study,
+    hypothesis: &Hypothesis,
+    all: &[(usize, Place)],
+) -> FastMap<String, (f64, f64)> {
+    let mut names: Vec<String> = Vec::new();
+    for (_, variable) in all.iter().flat_map(|(_, place)| &place.binds) {
+        if !names.contains(variable) {
+            names.push(variable.clone());
+        }
+    }
+    let plan = &hypothesis.plan;
+    let effects = attached(study, &hypothesis.effects);
+    let found = study.compile(plan, &effects, &names).ok().and_then(|(session, program)| {
+        names.retain(|name| program.recorded.iter().any(|v| program.name(*v) == name));
+        let mut problems = Problems::new();
+        let problem = Problem::new(&program, &session.sources, plan, &study.data, &mut problems)?;
+        problem.ranges(&problem.start(), &names).ok()
+    });
+    names.into_iter().zip(found.unwrap_or_default()).collect()
 }
 
 /// Adds the ranges at some places. If they cannot be simulated together, each half is tried by itself; a
@@ -117,6 +184,11 @@ fn probe(
     }
 }
 
+/// True for the variable of an effect that is the time.
+fn is_time(effect: &Effect, variable: &str) -> bool {
+    variable == TIME && unit(effect, variable) == "s"
+}
+
 /// The times that the training recordings cover, s.
 fn time_range(study: &Study) -> (f64, f64) {
     let times = study.data.of(Split::Train).flat_map(|r| r.start.iter().chain(r.time.iter()));
@@ -126,11 +198,10 @@ fn time_range(study: &Study) -> (f64, f64) {
 /// The shape parameters that depend on the range of time alone. Their defaults suit recordings of seconds: over hours they
 /// would be so short that nothing could be simulated.
 fn shape_in_time(effect: &Effect, time: (f64, f64)) -> Vec<(String, f64)> {
-    let is_time = |v: &str| v == TIME && unit(effect, v) == "s";
     let of = |(name, starts): &(String, Vec<Start>)| {
         let first = starts.first()?;
         let mut variables = first.variables().peekable();
-        let depends = variables.peek().is_some() && variables.all(is_time);
+        let depends = variables.peek().is_some() && variables.all(|v| is_time(effect, v));
         let value = *first.values(|_| time).first().filter(|_| depends)?;
         Some((name.clone(), value))
     };

@@ -111,7 +111,7 @@ impl Study {
         effects.extend(choices(&request, flat));
         effects.extend(finer_curves(&effects));
         effects.extend(formulas(&effects));
-        let variations = VariationTargets::new(flat, &plan, &data);
+        let variations = VariationTargets::new(flat, &inventory, &plan, &data);
         Study {
             base: flat.name.clone(),
             experiment: flat.experiment,
@@ -229,7 +229,15 @@ impl Study {
         match effect.binds.first() {
             _ if effect.adds.is_some() => self.terms.places(effect),
             Some((input, _)) if effect.curve.is_some() => self.variations.curve_places(input),
-            Some((input, _)) => self.variations.places(input),
+            Some((input, _)) if effect.is_of_rate => self.variations.rate_places(input),
+            Some((input, _)) if effect.is_of_recording => self.variations.number_places(input),
+            Some((input, _)) => {
+                let mut all = self.variations.places(input);
+                if effect.amplitudes.len() == 1 {
+                    all.extend(self.variations.alike_places(input));
+                }
+                all
+            }
             None => fixed_value::places(&self.fixed_values),
         }
     }

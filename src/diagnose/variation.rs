@@ -9,9 +9,11 @@ use crate::base::index::{FastMap, FastSet};
 use crate::calibrate::data::{Data, Split};
 use crate::calibrate::plan::{Plan, RECORDING_NUMBER};
 use crate::calibrate::recording_number;
+use crate::flatten::inventory::Inventory;
 use crate::ir::expr::{ExprId, Node, Type, VarId};
 use crate::ir::flat::{EquationKind, FlatModel, Variability};
 
+use super::alike_components::{AlikeParameter, alike_parameters};
 use super::difference::differences;
 use super::place::Place;
 
@@ -19,6 +21,8 @@ use super::place::Place;
 const MAX_ALIKE: usize = 3;
 /// Largest number of variables that parameters may vary with.
 const MAX_VARIABLES: usize = 12;
+/// Largest number of states whose rates parameters may vary with.
+const MAX_RATES: usize = 6;
 /// Number of named variables of the model from which its states are not needed as well.
 const ENOUGH_VARIABLES: usize = 4;
 
@@ -35,6 +39,10 @@ pub struct VariationTargets {
     pub differences: Vec<String>,
     /// Parameters that differ between the recordings, among them the number of the recording.
     pub conditions: Vec<String>,
+    /// Parameters that components of one class share by name.
+    pub alike: Vec<AlikeParameter>,
+    /// The rates of states, as `der(x)`.
+    pub rates: Vec<String>,
     /// Parameters that keep their values during a run, so that they vary from one recording to the next only: those of an
     /// FMU that are not tunable.
     pub fixed: FastSet<String>,
@@ -44,7 +52,12 @@ pub struct VariationTargets {
 
 impl VariationTargets {
     /// Those of a flat model and a plan.
-    pub fn new(flat: &FlatModel, plan: &Plan, data: &Data) -> VariationTargets {
+    pub fn new(
+        flat: &FlatModel,
+        inventory: &Inventory,
+        plan: &Plan,
+        data: &Data,
+    ) -> VariationTargets {
         let (parameters, single) = parameters(flat, plan);
         let (variables, conditions) = (variables(flat, plan), conditions(flat, plan, data));
         let fixed = plan.fmu.iter().flat_map(|fmu| fmu.fixed.iter().cloned()).collect();
@@ -56,7 +69,21 @@ impl VariationTargets {
                 differences(flat, &conditions, &inputs)
             }
         };
-        VariationTargets { parameters, single, variables, differences, conditions, fixed, circular }
+        let (alike, rates) = match plan.fmu.is_some() {
+            true => (Vec::new(), Vec::new()),
+            false => (alike_parameters(flat, plan, inventory), rates(flat)),
+        };
+        VariationTargets {
+            parameters,
+            single,
+            variables,
+            differences,
+            conditions,
+            alike,
+            rates,
+            fixed,
+            circular,
+        }
     }
 
     /// Every set of parameters with every variable and condition, for an effect whose input is named `input`.
@@ -66,6 +93,23 @@ impl VariationTargets {
         let mut all = combinations(&self.parameters, &over, input);
         all.retain(|place| self.can_vary(place));
         all
+    }
+
+    /// The parameters that components of one class share, each with a variable of its own component.
+    pub fn alike_places(&self, input: &str) -> Vec<Place> {
+        self.alike.iter().flat_map(|alike| alike.places(input)).collect()
+    }
+
+    /// Every set of parameters with the rate of every state.
+    pub fn rate_places(&self, input: &str) -> Vec<Place> {
+        combinations(&self.parameters, &self.rates.iter().collect::<Vec<_>>(), input)
+    }
+
+    /// Every set of parameters with the number of the recording.
+    pub fn number_places(&self, input: &str) -> Vec<Place> {
+        let is_number = |name: &&String| *name == RECORDING_NUMBER;
+        let number: Vec<&String> = self.conditions.iter().filter(is_number).collect();
+        combinations(&self.parameters, &number, input)
     }
 
     /// The same for a free curve: parameters one by one, with every variable.
@@ -88,8 +132,19 @@ impl VariationTargets {
     }
 }
 
+/// The rates of the first states that have names of the model's own.
+fn rates(flat: &FlatModel) -> Vec<String> {
+    let is_synthetic: FastSet<VarId> = flat.synthetic.iter().copied().collect();
+    let of = |v: &VarId| {
+        let x = &flat.variables[*v];
+        !x.protected && x.ty == Type::Real && !is_synthetic.contains(v)
+    };
+    let own = states(flat).into_iter().filter(of).take(MAX_RATES);
+    own.map(|v| format!("der({})", flat.variables[v].name)).collect()
+}
+
 /// The pairs of a parameter and a variable whose own equation, `v = ...`, reads the parameter.
-fn circular(
+pub fn circular(
     flat: &FlatModel,
     parameters: &[Vec<String>],
     variables: &[String],

@@ -193,7 +193,10 @@ fn annotations_name_existing_elements() {
             let names = names.strip_prefix("with ").unwrap_or(names);
             match names {
                 "amplitude" | "named" => {}
-                "of" => assert!(["state", "speed", "term"].contains(&values), "{}", effect.name),
+                "of" => {
+                    let known = ["state", "speed", "term", "rate", "recording"];
+                    assert!(known.contains(&values), "{}", effect.name);
+                }
                 "simpler" => {
                     for class in values.split(',') {
                         let name = class.strip_prefix("Effects.").expect("a class of Effects");
@@ -206,6 +209,7 @@ fn annotations_name_existing_elements() {
                 }
                 "order" => assert_eq!(values, "first", "{}", effect.name),
                 "follows" => assert_eq!(values, "line", "{}", effect.name),
+                "pairs" => assert_eq!(values, "ordered", "{}", effect.name),
                 "series" => assert_eq!(values, "true", "{}", effect.name),
                 "between" => assert_eq!(values, "moving", "{}", effect.name),
                 "varies" | "acts" | "adds" | "starts" => {
@@ -221,7 +225,9 @@ fn annotations_name_existing_elements() {
                     for value in values.split([',', '/']).filter(|v| v.contains('(')) {
                         let (_, rest) = value.split_once('(').expect("a bracket");
                         let of = match value.split_once('(').expect("a bracket").0 {
-                            "min" | "max" | "span" => rest.trim_end_matches(')'),
+                            "min" | "max" | "span" | "between" | "zero" => {
+                                rest.trim_end_matches(')')
+                            }
                             multiple if multiple.ends_with("*span") => rest.trim_end_matches(')'),
                             multiple if multiple.ends_with("*max") => rest.trim_end_matches(')'),
                             variable => variable,

@@ -991,6 +991,18 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
     end DirectionalVariation;
 
+    model RateVariation
+      extends Check;
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+      Effects.RateVariation effect(a = 0.3, x = time - 1, x_0 = 0.5);
+    equation
+      der(T) = -k*T;
+      found = {T};
+      exact = {exp(-2*(time + 0.15*(log(cosh((time - 1)/0.5)) - log(cosh(2)))))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end RateVariation;
+
     model ArrheniusVariation
       extends Check;
       parameter Real k = 2;
@@ -1028,6 +1040,19 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
     end HarmonicVariation;
 
+    model AccumulationVariation
+      extends Check;
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+      Effects.AccumulationVariation effect(a = 0.4, x = -2, x_0 = 1, T = 4);
+    equation
+      der(T) = -k*T;
+      found = {T};
+      // e = time/2.
+      exact = {exp(-2*(time + 0.1*time^2))};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end AccumulationVariation;
+
     model ExposureVariation
       extends Check;
       parameter Real k = 2;
@@ -1050,9 +1075,22 @@ package EffectTests
     equation
       der(T) = -k*T;
       found = {T};
-      exact = {exp(-2*(0.8*time + 0.3*(1 - cos(pi*time))/pi + 0.2*sin(pi*time)/pi))};
+      exact = {exp(-2*(time + 0.3*(1 - cos(pi*time))/pi + 0.2*sin(pi*time)/pi))};
       annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
     end WaveVariation;
+
+    model StepVariation
+      extends Check(n = 2);
+      parameter Real k = 2;
+      Real T(start = 1, fixed = true);
+      Effects.StepVariation before(a = 0.5, x = 5, x_s = 5.5);
+      Effects.StepVariation effect(a = 0.5, x = 6, x_s = 5.5);
+    equation
+      der(T) = -k*T;
+      found = {T, before.factor};
+      exact = {exp(-3*time), 1};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
+    end StepVariation;
 
     model LaggedVariation
       extends Check;
@@ -1120,6 +1158,15 @@ package EffectTests
       exact = {exp(-2*time + 1.5*time^2)};
       annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(T) = effect.term"));
     end ProductTerm;
+
+    model MonodTerm
+      extends Equation;
+      Effects.MonodTerm effect(A = 2, K = 1, x = T, y = time);
+    equation
+      found = {T};
+      exact = {1/(1 + time)^2};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(T) = effect.term"));
+    end MonodTerm;
 
     model LateTerm
       extends Equation;
@@ -1491,6 +1538,15 @@ package EffectTests
       exact = {1.1*time};
       annotation(experiment(StopTime = 1, Tolerance = 1e-9));
     end SensorGain;
+
+    model SensorGainFromZero
+      extends Check;
+      Effects.SensorGainFromZero effect(g = 0.1, u = time, u_0 = 0.5);
+    equation
+      found = {effect.y};
+      exact = {time + 0.1*(time - 0.5)};
+      annotation(experiment(StopTime = 1));
+    end SensorGainFromZero;
 
     model SensorMagnitude
       extends Check;
@@ -2706,6 +2762,12 @@ package EffectTests
       annotation(__mocc(varies = "spring.c = effect.factor"));
     end DirectionalVariation;
 
+    model RateVariation
+      extends Base;
+      Effects.RateVariation effect(x = der(s), x_0 = 1e-3);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end RateVariation;
+
     model ArrheniusVariation
       extends Base;
       Effects.ArrheniusVariation effect(x = s, x_0 = 3.5e-3);
@@ -2724,6 +2786,12 @@ package EffectTests
       annotation(__mocc(varies = "spring.c = effect.factor"));
     end HarmonicVariation;
 
+    model AccumulationVariation
+      extends Base;
+      Effects.AccumulationVariation effect(x = s, x_0 = 3.5e-3, T = 0.1);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end AccumulationVariation;
+
     model ExposureVariation
       extends Base;
       Effects.ExposureVariation effect(x = s, x_0 = 3.5e-3, T = 0.1);
@@ -2735,6 +2803,12 @@ package EffectTests
       Effects.WaveVariation effect(x = s, L = 3.5e-3);
       annotation(__mocc(varies = "spring.c = effect.factor"));
     end WaveVariation;
+
+    model StepVariation
+      extends Base;
+      Effects.StepVariation effect(x = s, x_s = 1e-3);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end StepVariation;
 
     model LaggedVariation
       extends Base;
@@ -2854,6 +2928,12 @@ package EffectTests
       Effects.ProductTerm effect(x = s, y = observed);
       annotation(__mocc(adds = "der(observed) = effect.term"));
     end ProductTerm;
+
+    model MonodTerm
+      extends Equation;
+      Effects.MonodTerm effect(x = s, y = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end MonodTerm;
 
     model FreeTerm
       extends Equation;
@@ -2986,6 +3066,11 @@ package EffectTests
       extends Base;
       Effects.SensorGain effect(u = s);
     end SensorGain;
+
+    model SensorGainFromZero
+      extends Base;
+      Effects.SensorGainFromZero effect(u = s, u_0 = 1e-3);
+    end SensorGainFromZero;
 
     model SensorMagnitude
       extends Base;
