@@ -13,6 +13,7 @@ use crate::ir::flat::{FlatModel, Variability, Variable};
 use super::cause::CatalogueCause;
 use super::formula::{Formula, FreeCurve};
 use super::law_choice::Choice;
+use super::variation::states;
 
 /// An effect as its class describes it.
 #[derive(Clone, Debug, Default)]
@@ -87,6 +88,8 @@ pub struct Effect {
     pub finer_than: Option<usize>,
     /// Of a formula that may stand for a free curve: the formula.
     pub formula: Option<Formula>,
+    /// It has states of its own, which add steps to every run.
+    pub has_states: bool,
     /// Its annotation.
     pub span: Option<Span>,
 }
@@ -427,6 +430,7 @@ fn component(mut effect: Effect, request: &Request) -> Result<Effect, String> {
     effect.amplitudes = effect.amplitudes.iter().flat_map(|a| elements(a, &names)).collect();
     let units = flat.variables.iter().map(|v| (v.name.clone(), v.unit.to_string()));
     effect.units = units.collect();
+    effect.has_states = !states(&flat).is_empty();
     if effect.over.is_empty() {
         effect.over = variables_of(&effect.law, &flat);
     }

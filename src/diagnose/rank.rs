@@ -87,8 +87,13 @@ pub fn unscored(study: &Study, hypothesis: &Hypothesis) -> Vec<Scored> {
 
 /// Scores every effect at every place with every shape. One entry for each effect and place, with its best
 /// shape.
+///
+/// Where the model without effects leaves nothing but noise, effects with states of their own are left out: their runs would
+/// take most of the time, for an answer that is known.
 pub fn rank(search: &Search<'_>, hypothesis: &Hypothesis) -> Vec<Scored> {
-    rank_those(search, hypothesis, None, &|_, _| true)
+    let is_done = hypothesis.effects.is_empty() && hypothesis.is_resolved(search.policy());
+    let effects = &search.study.effects;
+    rank_those(search, hypothesis, None, &|k, _| !is_done || !effects[k].has_states)
 }
 
 /// Scores effects in place of those of a hypothesis: if that leaves little, its trajectories are close to the

@@ -222,6 +222,7 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         .take(policy.alternatives)
         .map(|s| vec![s.clone()]);
     alternatives.extend(promising);
+    alternatives.extend(equally_promising(search, first, &is_own));
     let near = 1.0 + policy.alternative_excess * (diagnosis.before.chi2_train() - 1.0);
     let fits = CandidateFits::new(search, &start, &alternatives, 0)
         .giving_up_above(2.0 * near * current.train.count() as f64);
@@ -255,6 +256,29 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         diagnosis.rejected.push(replaced);
     }
 }
+
+/// What promised as much as an effect that was found when nothing had been fitted: the first that leaves nothing to explain
+/// ends the fits, and whichever of several equals comes first is chance.
+fn equally_promising(
+    search: &Search<'_>,
+    first: &[Scored],
+    is_own: &dyn Fn(&Scored) -> bool,
+) -> Vec<Vec<Scored>> {
+    let Some(own) = first.iter().find(|s| is_own(s)) else { return Vec::new() };
+    let mut equals: Vec<&Scored> = Vec::new();
+    for s in first.iter().filter(|s| s.gain > EQUAL_PROMISE * own.gain) {
+        let is_repeated = is_own(s) || equals.iter().any(|known| known.promises_as(s));
+        if equals.len() < MOST_EQUALS && !search.study.is_curve(s.effect) && !is_repeated {
+            equals.push(s);
+        }
+    }
+    equals.into_iter().map(|s| vec![s.clone()]).collect()
+}
+
+/// Share of the promise of an effect from which on another one promised as much.
+const EQUAL_PROMISE: f64 = 0.98;
+/// Most of these that are fitted.
+const MOST_EQUALS: usize = 3;
 
 /// If parameters vary: the sets that differ from theirs by one parameter, with the same amplitude, small ones first.
 pub fn neighbours(search: &Search<'_>, current: &Hypothesis) -> Vec<Vec<Scored>> {

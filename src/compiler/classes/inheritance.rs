@@ -276,8 +276,10 @@ impl ClassGraph<'_> {
     /// Reports the problems of a class again; those that are known already are not repeated.
     fn report_kept_problems(&mut self, class: ClassId) {
         if !self.problems_of.is_empty()
-            && let Some(problems) = self.problems_of.get(&class).cloned()
+            && let Some(problems) = self.problems_of.get(&class)
+            && !self.problems.includes(problems)
         {
+            let problems = problems.clone();
             self.report_all(&problems);
         }
     }

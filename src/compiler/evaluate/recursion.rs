@@ -64,6 +64,8 @@ pub(crate) struct Recursions {
     /// Number of calls that were executed for the outermost open one.
     executed: usize,
     unwinding: Option<Unwinding>,
+    /// Those whose outermost calls led to more than are executed.
+    exhausted: FastSet<ClassId>,
     /// Those that are functions of the flat model, by class.
     made: FastMap<ClassId, Vec<Recursive>>,
     /// Those that cannot be, and why.
@@ -218,12 +220,19 @@ impl Evaluator<'_> {
 
     /// Reports a function whose outermost call leads to more calls than are executed here.
     pub(super) fn check_executed(&mut self, span: Span) -> Option<()> {
-        if self.recursions.executed <= MAX_CALLS {
+        let outermost = self.recursions.calls.first()?.class;
+        let is_exhausted = self.recursions.exhausted.contains(&outermost);
+        if self.recursions.executed <= MAX_CALLS && !is_exhausted {
             return Some(());
         }
-        let outermost = self.recursions.calls.first()?.class;
+        // All calls are left, and the function is not called again: each would take as long.
+        if self.recursions.unwinding.is_some() || is_exhausted {
+            return None;
+        }
+        self.recursions.exhausted.insert(outermost);
         let function = self.classes[outermost].full_name;
         self.report(CallCause::TooManyCalls { function, most: MAX_CALLS }, span);
+        self.recursions.unwinding = Some(Unwinding::Out);
         None
     }
 

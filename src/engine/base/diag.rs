@@ -109,6 +109,10 @@ impl Problems {
             self.list.push(diagnostic);
         }
     }
+    /// True if the list contains all of `other`.
+    pub fn includes(&self, other: &Problems) -> bool {
+        other.known.is_subset(&self.known)
+    }
     /// Adds all of `other`.
     pub fn extend(&mut self, other: Problems) {
         other.list.into_iter().for_each(|d| self.push(d));
