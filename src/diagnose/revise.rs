@@ -222,7 +222,12 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         .take(policy.alternatives)
         .map(|s| vec![s.clone()]);
     alternatives.extend(promising);
-    alternatives.extend(equally_promising(search, first, &is_own));
+    let equals = equally_promising(search, first, &is_own);
+    let is_equal = |h: &Hypothesis| {
+        let is_of = |s: &Scored, c: &ChosenEffect| s.effect == c.effect && s.place.at == c.place.at;
+        equals.iter().flatten().any(|s| h.effects.iter().all(|c| is_of(s, c)))
+    };
+    alternatives.extend(equals.iter().cloned());
     let near = 1.0 + policy.alternative_excess * (diagnosis.before.chi2_train() - 1.0);
     let fits = CandidateFits::new(search, &start, &alternatives, 0)
         .giving_up_above(2.0 * near * current.train.count() as f64);
@@ -246,6 +251,11 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         let is_vague = !is_varied && !plainer && ends_with_variation(search.study, h);
         // A sensor is a rival, and blamed only if nothing else is.
         let is_last = !of_sensor && h.effects.iter().any(|c| c.place.signal.is_some());
+        // What promised the same at first is a rival, and which of them was fitted first is chance: the better one stays.
+        if is_equal(h) && !plainer {
+            let has_more = h.values.len() > current.values.len();
+            return !is_last && gained > 0.0 && !has_more && !is_vague;
+        }
         !is_last
             && (gained > policy.evidence || gained > -policy.evidence && preferred && !is_vague)
     };
@@ -267,7 +277,8 @@ fn equally_promising(
     let Some(own) = first.iter().find(|s| is_own(s)) else { return Vec::new() };
     let mut equals: Vec<&Scored> = Vec::new();
     for s in first.iter().filter(|s| s.gain > EQUAL_PROMISE * own.gain) {
-        let is_repeated = is_own(s) || equals.iter().any(|known| known.promises_as(s));
+        let is_as = |known: &&Scored| known.promises_as(s) || known.place.at == s.place.at;
+        let is_repeated = is_own(s) || equals.iter().any(is_as);
         if equals.len() < MOST_EQUALS && !search.study.is_curve(s.effect) && !is_repeated {
             equals.push(s);
         }

@@ -29,6 +29,18 @@ impl Study<'_> {
         (read(&scratch, &["diagnose", "plan.toml", "--out", "out"], "diagnosis"), scratch)
     }
 
+    /// The same where the model calls what is recorded otherwise.
+    fn diagnose_as(&self, variables: &[&str]) -> (Value, Scratch) {
+        let scratch = self.written();
+        let mut plan = self.plan();
+        for ((recorded, ..), variable) in self.signals.iter().zip(variables) {
+            let named = |name: &str| format!("variable = \"{name}\"");
+            plan = plan.replace(&named(recorded), &named(variable));
+        }
+        scratch.file("plan.toml", &plan);
+        (read(&scratch, &["diagnose", "plan.toml", "--out", "out"], "diagnosis"), scratch)
+    }
+
     /// A folder with the model, the plan and the recordings.
     fn written(&self) -> Scratch {
         let scratch = Scratch::new();
@@ -645,6 +657,63 @@ fn a_law_that_the_library_lacks_becomes_a_formula() {
     let amended = found["amended_model"].as_str().expect("a name");
     let text = std::fs::read_to_string(scratch.path().join("out").join(amended)).expect("a model");
     assert!(text.contains("i = A*Effects.regularPower(((v - v_m)/v_0), exponent);"), "{text}");
+}
+
+/// One law in all components of a class, each over its own state: `k h^0.2` in place of `k`.
+#[test]
+fn components_of_one_class_share_a_law() {
+    let study = Study {
+        model: "cascade",
+        truth: "cascade_truth",
+        conditions: &[("h_0", &[1.0, 2.0, 0.5, 1.5]), ("f", &[1.0, 0.5, 2.0, 1.5])],
+        signals: &[("h_1", "1", 0.002), ("h_2", "1", 0.002)],
+        free: &["k_1", "k_2"],
+        inputs: &[],
+    };
+    let (found, _scratch) = study.diagnose_as(&["upper.h", "lower.h"]);
+    let effect = &found["effects"][0];
+    assert_eq!(effect["at"], serde_json::json!(["k_1", "k_2"]), "{effect:#}");
+    assert_eq!(effect["over"], serde_json::json!(["upper.h", "lower.h"]), "{effect:#}");
+    for exponent in effect["parameters"].as_object().expect("an object").values() {
+        let value = exponent["value"].as_f64().expect("a number");
+        assert!((value - 0.2).abs() < 0.01, "{effect:#}");
+    }
+}
+
+/// A time constant of 20 s for the rise and of 60 s for the fall: 40 s with half a difference of 0.5.
+#[test]
+fn a_time_constant_differs_between_rise_and_fall() {
+    let study = Study {
+        model: "kiln",
+        truth: "kiln_truth",
+        conditions: &[("f", &[1.0, 0.5, 2.0, 1.5])],
+        signals: &[("y", "1", 0.005)],
+        free: &["tau"],
+        inputs: &[],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "parameter", "tau", &[("a", -0.5, 0.01)]);
+    assert_eq!(found["effects"][0]["over"], serde_json::json!(["der(y)"]), "{found:#}");
+}
+
+/// A resistance that is half as large again from the fourth recording on.
+#[test]
+fn a_part_that_was_exchanged_is_found() {
+    let study = Study {
+        model: "filter",
+        truth: "filter_truth",
+        conditions: &[
+            ("R", &[2.0, 2.0, 2.0, 3.0, 3.0, 3.0]),
+            ("f", &[1.0, 0.5, 2.0, 1.5, 0.8, 1.2]),
+        ],
+        signals: &[("p", "1", 0.01)],
+        free: &["R", "C"],
+        inputs: &[("q", "q")],
+    };
+    let (found, scratch) = study.diagnose();
+    assert_found(&found, &scratch, "parameter", "R", &[("a", 0.5, 0.01)]);
+    let effect = &found["effects"][0];
+    assert_eq!(effect["law"], "if recording_number > 3.5 then 1 + a else 1", "{effect:#}");
 }
 
 /// The error that the next experiment promises is the one that a fit with its recording has, and smaller than that with

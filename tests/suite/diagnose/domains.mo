@@ -713,3 +713,87 @@ equation
   der(h_2) = 0.02 - 0.03*h_2 + leak;
   annotation(experiment(StopTime = 80, Interval = 0.5));
 end Truth;
+
+//@ case cascade
+//@ used by diagnose_domains.rs
+model Vessel "A vessel with a hole"
+  parameter Real A = 1;
+  parameter Real k = 0.02;
+  parameter Real h_0 = 1;
+  input Real q_in;
+  Real q;
+  Real h(start = h_0, fixed = true);
+equation
+  q = k*sqrt(h);
+  A*der(h) = q_in - q;
+end Vessel;
+
+model Cascade
+  parameter Real k_1 = 0.02;
+  parameter Real k_2 = 0.02;
+  parameter Real h_0 = 1;
+  parameter Real f = 1;
+  Vessel upper(k = k_1, h_0 = h_0, q_in = 0.02*(1 + sin(f*time/30)));
+  Vessel lower(k = k_2, h_0 = 0.5*h_0, q_in = upper.q);
+  annotation(experiment(StopTime = 300, Interval = 1));
+end Cascade;
+
+//@ case cascade_truth
+//@ used by diagnose_domains.rs
+model Truth "The holes are short pipes"
+  parameter Real h_0 = 1;
+  parameter Real f = 1;
+  Real h_1(start = h_0, fixed = true);
+  Real h_2(start = 0.5*h_0, fixed = true);
+equation
+  der(h_1) = 0.02*(1 + sin(f*time/30)) - 0.022*h_1^0.7;
+  der(h_2) = 0.022*h_1^0.7 - 0.018*h_2^0.7;
+  annotation(experiment(StopTime = 300, Interval = 1));
+end Truth;
+
+//@ case kiln
+//@ used by diagnose_domains.rs
+model Kiln
+  parameter Real tau = 30;
+  parameter Real f = 1;
+  Real u = 1 + sin(f*time/25);
+  Real y(start = 0, fixed = true);
+equation
+  tau*der(y) = u - y;
+  annotation(experiment(StopTime = 400, Interval = 1));
+end Kiln;
+
+//@ case kiln_truth
+//@ used by diagnose_domains.rs
+model Truth "It cools down more slowly"
+  parameter Real f = 1;
+  Real u = 1 + sin(f*time/25);
+  Real y(start = 0, fixed = true);
+equation
+  (if u > y then 20 else 60)*der(y) = u - y;
+  annotation(experiment(StopTime = 400, Interval = 1));
+end Truth;
+
+//@ case filter
+//@ used by diagnose_domains.rs
+model Filter
+  parameter Real R = 2;
+  parameter Real C = 5;
+  input Real q;
+  Real p(start = 1, fixed = true);
+equation
+  C*der(p) = q - p/R;
+  annotation(experiment(StopTime = 100, Interval = 0.5));
+end Filter;
+
+//@ case filter_truth
+//@ used by diagnose_domains.rs
+model Truth "The filter is another one in later recordings"
+  parameter Real R = 2;
+  parameter Real f = 1;
+  Real q = 1 + 0.5*sin(f*time/5);
+  Real p(start = 1, fixed = true);
+equation
+  5*der(p) = q - p/R;
+  annotation(experiment(StopTime = 100, Interval = 0.5));
+end Truth;
