@@ -38,13 +38,13 @@ pub enum Wanted {
     Normal,
     /// All residuals.
     Residuals,
-    /// All derivatives, residual by residual.
-    Slopes,
+    /// Every residual, followed by its derivatives.
+    Rows,
 }
 
 impl Wanted {
     const ALL: [Wanted; 5] =
-        [Wanted::Squares, Wanted::Cost, Wanted::Normal, Wanted::Residuals, Wanted::Slopes];
+        [Wanted::Squares, Wanted::Cost, Wanted::Normal, Wanted::Residuals, Wanted::Rows];
 }
 
 /// Other processes that do the work of this one.

@@ -22,9 +22,20 @@ impl<'a> Problem<'a> {
     }
 
     /// The training recordings that are not trimmed.
-    pub(super) fn fitted(&self) -> Vec<&'a Recording> {
+    fn fitted(&self) -> Vec<&'a Recording> {
         let all = self.data.of(Split::Train).enumerate();
         all.filter(|(i, _)| !self.trimmed.contains(i)).map(|(_, r)| r).collect()
+    }
+
+    /// Calls `take` with every residual of the training recordings that are not trimmed and its derivatives by the
+    /// coordinates of the search. Errors: the first recording that cannot be simulated.
+    pub fn each_row(&self, x: &[f64], mut take: impl FnMut(f64, &[f64])) -> Result<(), Failure> {
+        for rows in self.each(&self.fitted(), x, Wanted::Rows) {
+            for row in rows?.chunks_exact(1 + self.parameters.len()) {
+                take(row[0], &row[1..]);
+            }
+        }
+        Ok(())
     }
 
     /// The sum of squares over the training recordings that are not trimmed.
@@ -94,9 +105,12 @@ impl<'a> Problem<'a> {
                 let at = |k: usize| residuals.iter().map(move |signal| signal[k]);
                 Ok(instants.flat_map(at).filter(|r| !r.is_nan()).collect())
             }
-            Wanted::Slopes => {
+            Wanted::Rows => {
                 let mut rows = Vec::new();
-                self.each_slope(recording, x, |_, slopes| rows.extend_from_slice(slopes))?;
+                self.each_slope(recording, x, |residual, slopes| {
+                    rows.push(residual);
+                    rows.extend_from_slice(slopes);
+                })?;
                 Ok(rows)
             }
         }

@@ -23,25 +23,13 @@ impl Problem<'_> {
         let x = self.places(values);
         let by_value: Vec<f64> =
             self.parameters.iter().zip(values).map(|(p, v)| 1.0 / p.scale.slope(*v)).collect();
-        let all = self.each(&self.recordings(Split::Train), &x, Wanted::Slopes);
-        let mut all = all.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
-        for row in all.chunks_exact_mut(by_value.len().max(1)) {
-            row.iter_mut().zip(&by_value).for_each(|(slope, factor)| *slope *= factor);
+        let mut all = Vec::new();
+        for rows in self.each(&self.recordings(Split::Train), &x, Wanted::Rows) {
+            for row in rows?.chunks_exact(1 + by_value.len()) {
+                all.extend(row[1..].iter().zip(&by_value).map(|(slope, factor)| slope * factor));
+            }
         }
         Ok(all)
-    }
-
-    /// Calls `take` with every residual of the training recordings that are not trimmed and its derivatives by the
-    /// coordinates of the search. Errors: the first recording that cannot be simulated.
-    pub fn each_row(&self, x: &[f64], mut take: impl FnMut(f64, &[f64])) -> Result<(), Failure> {
-        let recordings = self.fitted();
-        let of = |wanted| self.each(&recordings, x, wanted);
-        for (residuals, slopes) in of(Wanted::Residuals).into_iter().zip(of(Wanted::Slopes)) {
-            let rows = slopes?;
-            let rows = rows.chunks_exact(self.parameters.len().max(1));
-            residuals?.iter().zip(rows).for_each(|(residual, row)| take(*residual, row));
-        }
-        Ok(())
     }
 
     /// The coordinates of the search of these values.

@@ -5,7 +5,7 @@ use crate::base::index::FastSet;
 use crate::calibrate::plan::Plan;
 use crate::flatten::inventory::{Inventory, InventoryPart};
 use crate::ir::expr::{Node, Type, VarId};
-use crate::ir::flat::{FlatModel, Variability};
+use crate::ir::flat::{FlatModel, Variability, Variable};
 
 use super::place::{MAX_HOSTS, Place};
 use super::variation::{circular, states};
@@ -85,9 +85,7 @@ fn owner<'a>(
     if let Some(own) = of_part(&variable.name) {
         return Some(own);
     }
-    let is_bound = |v: &&crate::ir::flat::Variable| {
-        v.binding.is_some_and(|e| flat.graph.node(e) == Node::Var(id))
-    };
+    let is_bound = |v: &&Variable| v.binding.is_some_and(|e| flat.graph.node(e) == Node::Var(id));
     let mut bound = flat.variables.iter().filter(is_bound).map(|v| of_part(&v.name));
     match (bound.next(), bound.next()) {
         (Some(only), None) => only,
@@ -99,7 +97,7 @@ fn owner<'a>(
 fn variables(flat: &FlatModel, parts: &[&str], own: &str) -> Vec<Vec<String>> {
     let states: FastSet<VarId> = states(flat).into_iter().collect();
     let named = |name: &str| flat.variables.enumerate().find(|(_, v)| v.name == name);
-    let varies = |v: &crate::ir::flat::Variable| {
+    let varies = |v: &Variable| {
         v.ty == Type::Real && v.variability == Variability::Continuous && !v.protected
     };
     let of_first = flat.variables.enumerate().filter_map(|(id, v)| {

@@ -197,16 +197,17 @@ impl Start {
     /// The variables whose ranges it depends on.
     pub fn variables(&self) -> impl Iterator<Item = &str> {
         let (first, second) = match self {
-            Start::Value(_) | Start::Zero => (None, None),
+            Start::Value(_) => (None, None),
+            Start::Zero => (Some(UNIT_ZERO), None),
             Start::Spread(v, _)
             | Start::Between(v)
             | Start::Least(v)
             | Start::Greatest(v)
             | Start::Multiple(_, v)
-            | Start::MultipleOfGreatest(_, v) => (Some(v), None),
-            Start::MultipleOfRate(_, v, per) => (Some(v), Some(per)),
+            | Start::MultipleOfGreatest(_, v) => (Some(v.as_str()), None),
+            Start::MultipleOfRate(_, v, per) => (Some(v.as_str()), Some(per.as_str())),
         };
-        first.into_iter().chain(second).map(String::as_str)
+        first.into_iter().chain(second)
     }
 
     /// Its values if the variables cover these ranges; none where a scale or a place over the range is asked for and

@@ -407,22 +407,19 @@ impl Candidate {
         let amplitudes = effect.amplitudes.iter().map(|a| a.name.clone()).zip(&self.amplitudes);
         let shapes = self.form.shapes.iter().zip(&self.shapes);
         let least = (effect.amplitudes.len() > 1).then_some(ANY_SIGN);
-        let starts = amplitudes.map(|(name, value)| (name, *value, (least, None))).chain(
-            shapes.map(|(s, v)| {
-                (s.name.to_owned(), *v, {
-                    let (least, greatest) = s.range_around(*v);
-                    (Some(least), Some(greatest))
-                })
-            }),
-        );
-        for (name, start, range) in starts.collect::<Vec<_>>() {
+        let shapes = shapes.map(|(shape, value)| {
+            let (least, greatest) = shape.range_around(*value);
+            (shape.name.to_owned(), *value, (Some(least), Some(greatest)))
+        });
+        let starts = amplitudes.map(|(name, value)| (name, *value, (least, None))).chain(shapes);
+        for (name, start, (min, max)) in starts.collect::<Vec<_>>() {
             let full = chosen.full_name(&name);
             plan.free.push(Free {
                 name: full.clone(),
                 targets: vec![full],
                 start: Some(start),
-                min: range.0,
-                max: range.1,
+                min,
+                max,
                 around: Some(RANGE),
                 acts_on: None,
                 only: None,

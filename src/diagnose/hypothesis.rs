@@ -1,6 +1,7 @@
 //! Hypotheses: the model with certain effects at certain places, fitted to the recordings.
 
 use crate::base::diag::Problems;
+use crate::base::index::FastSet;
 use crate::base::source::Span;
 use crate::calibrate::data::Split;
 use crate::calibrate::fit::Fit;
@@ -268,6 +269,13 @@ impl Hypothesis {
 /// The effects by group: each slice is one effect at one or several places.
 pub fn groups(effects: &[ChosenEffect]) -> impl Iterator<Item = &[ChosenEffect]> {
     effects.chunk_by(|a, b| a.group == b.group)
+}
+
+/// The variables that the wanted inputs of an effect are bound to at all of its places, each once.
+pub fn bound_variables(group: &[ChosenEffect], is_wanted: impl Fn(&str) -> bool) -> Vec<&str> {
+    let mut seen = FastSet::default();
+    let all = group.iter().flat_map(|c| &c.place.binds).filter(|(own, _)| is_wanted(own));
+    all.map(|(_, variable)| variable.as_str()).filter(|v| seen.insert(*v)).collect()
 }
 
 /// Effects as they are attached to the model.

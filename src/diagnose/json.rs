@@ -1,5 +1,6 @@
 //! `diagnosis.json`.
 
+use crate::base::index::FastSet;
 use crate::calibrate::data::{Data, Split};
 use crate::calibrate::plan::Signal;
 use crate::io::json::Json;
@@ -8,7 +9,7 @@ use super::balance::Balance;
 use super::catalogue::{Effect, PARAMETER};
 use super::difference::as_difference;
 use super::grade::grade;
-use super::hypothesis::{ChosenEffect, Hypothesis, groups};
+use super::hypothesis::{ChosenEffect, Hypothesis, bound_variables, groups};
 use super::next_experiment::{ConditionValue, Gain, NextExperiment};
 use super::result::{Diagnosis, Verdict, law, rmse_of, sentences, unit};
 use super::rivals::{Sensor, difference, rivals};
@@ -235,18 +236,13 @@ fn over(effect: &Effect, group: &[ChosenEffect]) -> Vec<String> {
     let is_of_instrument = effect.of_signal || effect.acts.is_some();
     match effect.has_free_inputs() || is_of_instrument {
         true => {
-            let bound = group.iter().flat_map(|c| &c.place.binds).map(|(_, variable)| variable);
-            let names = |variable: &String| match as_difference(variable) {
-                Some((a, b)) => vec![a.to_owned(), b.to_owned()],
-                None => vec![variable.clone()],
-            };
-            let mut all: Vec<String> = Vec::new();
-            for name in bound.flat_map(names) {
-                if !all.contains(&name) {
-                    all.push(name);
-                }
-            }
-            all
+            let bound = bound_variables(group, |_| true).into_iter();
+            let mut seen = FastSet::default();
+            let names = bound.flat_map(|variable| match as_difference(variable) {
+                Some((a, b)) => vec![a, b],
+                None => vec![variable],
+            });
+            names.filter(|name| seen.insert(*name)).map(str::to_owned).collect()
         }
         false => effect.over.clone(),
     }

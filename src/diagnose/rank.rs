@@ -40,6 +40,15 @@ impl Scored {
         self.place.members().into_iter().map(|place| (self.effect, place)).collect()
     }
 
+    /// True if all of some effects are this one, at one of its places.
+    pub fn has_all(&self, effects: &[ChosenEffect]) -> bool {
+        let members = self.members();
+        let is_member = |c: &ChosenEffect| {
+            members.iter().any(|(effect, place)| *effect == c.effect && place.at == c.place.at)
+        };
+        effects.iter().all(is_member)
+    }
+
     /// True for the same effect at the same place.
     pub fn is_same(&self, other: &Scored) -> bool {
         self.effect == other.effect && self.place == other.place
@@ -88,8 +97,8 @@ pub fn unscored(study: &Study, hypothesis: &Hypothesis) -> Vec<Scored> {
 /// Scores every effect at every place with every shape. One entry for each effect and place, with its best
 /// shape.
 ///
-/// Where the model without effects leaves nothing but noise, effects with states of their own are left out: their runs would
-/// take most of the time, for an answer that is known.
+/// Where the model without effects leaves nothing to explain, effects with states of their own are left out: their runs would
+/// take most of the time, and what they describe is too small to be told from noise.
 pub fn rank(search: &Search<'_>, hypothesis: &Hypothesis) -> Vec<Scored> {
     let is_done = hypothesis.effects.is_empty() && hypothesis.is_resolved(search.policy());
     let effects = &search.study.effects;

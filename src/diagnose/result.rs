@@ -5,7 +5,7 @@ use crate::calibrate::sums::Sums;
 
 use super::catalogue::Effect;
 use super::difference::as_difference;
-use super::hypothesis::{ChosenEffect, Hypothesis, groups};
+use super::hypothesis::{ChosenEffect, Hypothesis, bound_variables, groups};
 use super::noise::Noise;
 use super::policy::SearchPolicy;
 use super::rank::Scored;
@@ -110,10 +110,7 @@ pub fn sentences(effects: &[Effect], chosen: &[ChosenEffect]) -> Vec<String> {
         let at: Vec<&str> =
             group.iter().flat_map(|c| c.place.at.iter().map(String::as_str)).collect();
         let effect = &effects[group[0].effect];
-        let binds = group.iter().flat_map(|c| &c.place.binds);
-        let binds = binds.filter(|(own, _)| effect.is_named_in_law(own));
-        let mut over: Vec<&str> = binds.map(|(_, v)| v.as_str()).collect();
-        over.dedup();
+        let over = bound_variables(group, |own| effect.is_named_in_law(own));
         let explains = &effects[group[0].effect].explains;
         let sentence = match at.as_slice() {
             [a, b] if group[0].place.is_between() => {

@@ -200,12 +200,7 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     let ranking = rank_instead(search, &current, &diagnosis.before, &|effect, place| {
         !search.study.is_curve(effect) && was_promising(effect, place)
     });
-    let is_own = |s: &Scored| {
-        let own = |c: &ChosenEffect| {
-            s.members().iter().any(|(e, p)| *e == c.effect && p.at == c.place.at)
-        };
-        current.effects.iter().all(own)
-    };
+    let is_own = |s: &Scored| s.has_all(&current.effects);
     // A law that is chosen has no score of its own here: it promises what it has explained.
     let explained = diagnosis.before.train.total() - current.train.total();
     let gain = ranking.iter().find(|s| is_own(s)).map_or(explained, |s| s.gain);
@@ -223,10 +218,7 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         .map(|s| vec![s.clone()]);
     alternatives.extend(promising);
     let equals = equally_promising(search, first, &is_own);
-    let is_equal = |h: &Hypothesis| {
-        let is_of = |s: &Scored, c: &ChosenEffect| s.effect == c.effect && s.place.at == c.place.at;
-        equals.iter().flatten().any(|s| h.effects.iter().all(|c| is_of(s, c)))
-    };
+    let is_equal = |h: &Hypothesis| equals.iter().flatten().any(|s| s.has_all(&h.effects));
     alternatives.extend(equals.iter().cloned());
     let near = 1.0 + policy.alternative_excess * (diagnosis.before.chi2_train() - 1.0);
     let fits = CandidateFits::new(search, &start, &alternatives, 0)

@@ -52,17 +52,14 @@ pub fn shapes_at(
     };
     let mut starts = parameters.iter().flat_map(|(_, starts)| starts);
     let says_time = study.effects[effect].follows_line && starts.any(hardly_changes);
-    (is_known && !says_time).then(|| {
-        shapes(&study.effects[effect], |v| match v == UNIT_ZERO {
-            true => (unit_zero(study, place), 0.0),
-            false => known(v).unwrap_or_default(),
-        })
-    })
+    (is_known && !says_time)
+        .then(|| shapes(&study.effects[effect], |v| known(v).unwrap_or_default()))
 }
 
-/// The zero of the unit of the column that a sensor fills, in the unit of its variable.
-fn unit_zero(study: &Study, place: &Place) -> f64 {
-    place.signal.map_or(0.0, |k| study.plan.signals[k].unit.offset)
+/// The zero of the unit of the column that a sensor fills, in the unit of its variable, as a range.
+fn unit_zero(study: &Study, place: &Place) -> (f64, f64) {
+    let zero = place.signal.map_or(0.0, |k| study.plan.signals[k].unit.offset);
+    (zero, zero)
 }
 
 /// The ranges that the variables of effects cover at their places.
@@ -71,24 +68,25 @@ pub fn ranges(study: &Study, hypothesis: &Hypothesis, all: &[(usize, Place)]) ->
     let (known, time) = (ranges_of_model(study, hypothesis, all), time_range(study));
     let mut wanted: Vec<(usize, &Place, Vec<String>)> = Vec::new();
     for (k, place) in all {
-        let mut variables: Vec<String> = Vec::new();
-        for start in study.effects[*k].shape_parameters.iter().flat_map(|(_, starts)| starts) {
-            for v in start.variables() {
-                let is_new = !variables.iter().any(|known| known == v)
-                    && range_of(&out, *k, place, v).is_none();
-                let bound = match is_time(&study.effects[*k], v) {
-                    true => Some(time),
-                    false => Bound::of(place, v).and_then(|bound| bound.range(&known)),
-                };
-                match bound.filter(|_| is_new) {
-                    Some(range) => out.push(((*k, place.clone()), v.to_owned(), range)),
-                    None if is_new => variables.push(v.to_owned()),
-                    None => {}
-                }
+        let effect = &study.effects[*k];
+        let starts = effect.shape_parameters.iter().flat_map(|(_, starts)| starts);
+        let mut variables: Vec<&str> = starts.flat_map(Start::variables).collect();
+        variables.sort_unstable();
+        variables.dedup();
+        let mut probed = Vec::new();
+        for v in variables {
+            let range = match v {
+                UNIT_ZERO => Some(unit_zero(study, place)),
+                _ if is_time(effect, v) => Some(time),
+                _ => Bound::of(place, v).and_then(|bound| bound.range(&known)),
+            };
+            match range {
+                Some(range) => out.push(((*k, place.clone()), v.to_owned(), range)),
+                None => probed.push(v.to_owned()),
             }
         }
-        if !variables.is_empty() {
-            wanted.push((*k, place, variables));
+        if !probed.is_empty() {
+            wanted.push((*k, place, probed));
         }
     }
     for batch in wanted.chunks(study.policy.batch) {

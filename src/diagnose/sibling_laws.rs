@@ -206,14 +206,14 @@ fn parameters(study: &Study, effect: usize) -> usize {
     own.amplitudes.len() + own.shape_parameters.len()
 }
 
-/// True if the hypothesis with another law in the place of `own` was fitted to its end.
+/// True if the hypothesis with another law in the place of `own`, over its variables, was fitted to its end.
 fn is_known(diagnosis: &Diagnosis, own: &ChosenEffect, effect: usize) -> bool {
     let after = &diagnosis.after.effects;
     let is_same = |h: &Hypothesis| {
         h.effects.len() == after.len()
             && after.iter().all(|c| {
                 let wanted = if c.name == own.name { effect } else { c.effect };
-                h.effects.iter().any(|o| o.effect == wanted && o.place.at == c.place.at)
+                h.effects.iter().any(|o| o.effect == wanted && is_at(&o.place, &c.place))
             })
     };
     diagnosis.rejected.iter().any(|h| h.is_complete_fit && is_same(h))

@@ -107,9 +107,9 @@ impl VariationTargets {
 
     /// Every set of parameters with the number of the recording.
     pub fn number_places(&self, input: &str) -> Vec<Place> {
-        let is_number = |name: &&String| *name == RECORDING_NUMBER;
-        let number: Vec<&String> = self.conditions.iter().filter(is_number).collect();
-        combinations(&self.parameters, &number, input)
+        let mut all = self.places(input);
+        all.retain(|place| place.binds.iter().all(|(_, over)| over == RECORDING_NUMBER));
+        all
     }
 
     /// The same for a free curve: parameters one by one, with every variable.

@@ -671,10 +671,14 @@ fn components_of_one_class_share_a_law() {
         inputs: &[],
     };
     let (found, _scratch) = study.diagnose_as(&["upper.h", "lower.h"]);
+    assert_eq!(found["verdict"], "effect_found", "{found:#}");
+    assert_eq!(found["effects"].as_array().map(Vec::len), Some(1), "{found:#}");
     let effect = &found["effects"][0];
     assert_eq!(effect["at"], serde_json::json!(["k_1", "k_2"]), "{effect:#}");
     assert_eq!(effect["over"], serde_json::json!(["upper.h", "lower.h"]), "{effect:#}");
-    for exponent in effect["parameters"].as_object().expect("an object").values() {
+    let exponents = effect["parameters"].as_object().expect("an object");
+    assert_eq!(exponents.len(), 2, "{effect:#}");
+    for exponent in exponents.values() {
         let value = exponent["value"].as_f64().expect("a number");
         assert!((value - 0.2).abs() < 0.01, "{effect:#}");
     }
