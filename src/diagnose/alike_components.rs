@@ -3,7 +3,7 @@
 
 use crate::base::index::FastSet;
 use crate::calibrate::plan::Plan;
-use crate::flatten::inventory::{Inventory, InventoryPart};
+use crate::flatten::inventory::{Inventory, InventoryConnector, InventoryPart};
 use crate::ir::expr::{Node, Type, VarId};
 use crate::ir::flat::{FlatModel, Variability, Variable};
 
@@ -58,7 +58,8 @@ pub fn alike_parameters(
     let of = |(_, member, all): (&str, &str, Vec<(&InventoryPart, String)>)| {
         let parameters: Vec<String> = all.iter().map(|(_, target)| target.clone()).collect();
         let parts: Vec<&str> = all.iter().map(|(part, _)| part.name.as_str()).collect();
-        let variables = variables(flat, &parts, member);
+        let potentials: Vec<String> = all.first().map_or(Vec::new(), |(part, _)| potentials(part));
+        let variables = variables(flat, &parts, member, &potentials);
         AlikeParameter { parameters, variables }
     };
     found.into_iter().filter(is_several).map(of).collect()
@@ -93,8 +94,21 @@ fn owner<'a>(
     }
 }
 
-/// The variables that all components have and that no equation determines from their parameter `own` directly; states first.
-fn variables(flat: &FlatModel, parts: &[&str], own: &str) -> Vec<Vec<String>> {
+/// The potentials of the connectors of a component, by their names there.
+fn potentials(part: &InventoryPart) -> Vec<String> {
+    let of =
+        |c: &InventoryConnector| Some(format!("{}.{}", c.name, c.pair.as_ref()?.potential.name));
+    part.connectors.iter().filter_map(of).collect()
+}
+
+/// The variables that all components have and that no equation determines from their parameter `own` directly; states first,
+/// potentials last.
+fn variables(
+    flat: &FlatModel,
+    parts: &[&str],
+    own: &str,
+    potentials: &[String],
+) -> Vec<Vec<String>> {
     let states: FastSet<VarId> = states(flat).into_iter().collect();
     let named = |name: &str| flat.variables.enumerate().find(|(_, v)| v.name == name);
     let varies = |v: &Variable| {
@@ -112,7 +126,9 @@ fn variables(flat: &FlatModel, parts: &[&str], own: &str) -> Vec<Vec<String>> {
         let are_there = full.iter().all(|name| named(name).is_some_and(|(_, v)| varies(v)));
         (are_there && circular(flat, &parameters, &full).is_empty()).then_some(full)
     };
-    members.into_iter().filter_map(|(_, member)| of_all(member)).take(MAX_VARIABLES).collect()
+    let members = members.into_iter().map(|(_, member)| member);
+    let all = members.chain(potentials.iter().map(String::as_str));
+    all.filter_map(of_all).take(MAX_VARIABLES).collect()
 }
 
 #[cfg(test)]

@@ -37,6 +37,8 @@ pub struct CandidateFits<'a> {
 
 /// Steps after which a short fit of an alternative may be given up.
 const STEPS_BEFORE_GIVING_UP: u32 = 3;
+/// How many times as much as a law a curve may leave after a short fit to get a full one, where no law comes close.
+const CURVE_MAY_PASS: f64 = 4.0;
 /// Share of the promise of an actuator that explains everything which its rivals promise as well.
 const RIVAL_SHARE: f64 = 0.98;
 
@@ -289,8 +291,16 @@ impl<'a> CandidateFits<'a> {
         let limit = |least: f64| 1.0 + (factor * least).max(factor * (policy.resolved_train - 1.0));
         let (parametric, any) = (least_excess(false), least_excess(true));
         let explains_nothing = |h: &Hypothesis| self.calibrated.is_some() && !self.explains_most(h);
+        // Where no law comes close, a curve may after more steps.
+        let leads = |h: &&Hypothesis| self.search.leads(self.from, h);
+        let is_close = match self.search.generosity() {
+            1 => hypotheses.iter().any(|h| leads(&h)),
+            // Fits cost little.
+            _ => hypotheses.iter().filter(leads).any(|h| h.is_resolved(policy)),
+        };
+        let may_pass = if is_close { 1.0 } else { CURVE_MAY_PASS };
         let is_near = |h: &Hypothesis| match ends_with_curve(study, h) {
-            true => h.chi2_train() < limit(any).min(1.0 + parametric),
+            true => h.chi2_train() < (may_pass * limit(any)).min(1.0 + may_pass * parametric),
             false => h.chi2_train() < limit(parametric),
         };
         let is_worth_it = |h: &Hypothesis| is_near(h) && !explains_nothing(h);

@@ -37,7 +37,12 @@ pub fn differences(flat: &FlatModel, conditions: &[String], inputs: &[String]) -
     });
     let sides: Vec<_> = sides.collect();
     let bindings = flat.variables.iter().filter_map(|v| v.binding);
-    let whole = sides.iter().flat_map(|(_, sides)| *sides).chain(bindings).filter_map(difference);
+    // A side that defines a variable.
+    let is_variable = |e: ExprId| matches!(flat.graph.node(e), Node::Var(_));
+    let defining = sides.iter().flat_map(|(_, [left, right])| {
+        [(*left, *right), (*right, *left)].into_iter().filter(|(own, _)| is_variable(*own))
+    });
+    let whole = defining.map(|(_, side)| side).chain(bindings).filter_map(difference);
     let ordered = |(a, b): (VarId, VarId)| (a.min(b), a.max(b));
     // Those that are known already, or variables of the model.
     let mut known: FastSet<(VarId, VarId)> = whole.map(ordered).collect();

@@ -112,9 +112,9 @@ impl Form {
         self.terms.iter().any(|t| [DECLINE.modelica, COSINE.modelica].contains(&t.modelica))
     }
 
-    /// It is another form less its value at 0.
+    /// It is another form less its value at 0, which is an amplitude of that form.
     fn is_twin_from_zero(&self) -> bool {
-        self.terms.iter().any(|t| [FALL.modelica, COSINE_LESS_ONE.modelica].contains(&t.modelica))
+        self.terms.iter().any(|t| t.modelica == COSINE_LESS_ONE.modelica)
     }
 
     /// The form that this one generalizes by one more shape parameter, its last, and the value of that in the special form.
@@ -127,6 +127,19 @@ impl Form {
         matches!(self.terms, [term] if term.modelica == POWER.modelica)
     }
 
+    /// It is counted from the middle of the range, where a curve multiplies a parameter that may be zero at the zero of the
+    /// variable.
+    pub fn is_parabola(&self) -> bool {
+        let is = |t: &Term| [LINE.modelica, SQUARE.modelica].contains(&t.modelica);
+        self.terms.len() == 2 && self.terms.iter().all(is)
+    }
+
+    /// It is a line and a square with the sign of the variable.
+    pub fn is_odd_parabola(&self) -> bool {
+        let is = |t: &Term| [LINE.modelica, SIGNED_SQUARE.modelica].contains(&t.modelica);
+        self.terms.len() == 2 && self.terms.iter().all(is)
+    }
+
     /// It equals another form where the variable has only one sign.
     pub fn needs_both_signs(&self) -> bool {
         let of_magnitude = [MAGNITUDE.modelica, EVEN_POWER.modelica, EVEN_HYPERBOLA.modelica];
@@ -136,12 +149,21 @@ impl Form {
         is_even || is_hinge || !self.has_constant() && is_square
     }
 
+    /// It is infinite where the variable is zero, and unknown below.
+    pub fn has_pole_at_zero(&self) -> bool {
+        self.terms.iter().any(|t| t.modelica == INVERSE_POWER.modelica)
+    }
+
+    /// It is a single function without a shape.
+    fn is_plain(&self) -> bool {
+        self.terms.len() == 1 && self.shapes.is_empty()
+    }
+
     /// It bends a straight line one way, without a place of its own along the line.
     pub fn bends_line(&self) -> bool {
         let placed = [CENTRE.name, WAVE_NUMBER.name, EDGE.name, UPPER.name];
         let is_placed = self.shapes.iter().any(|s| placed.contains(&s.name));
-        let is_plain = self.terms.len() == 1 && self.shapes.is_empty();
-        !is_placed && !is_plain && !self.has_constant()
+        !is_placed && !self.is_plain() && !self.has_constant()
     }
 
     /// One of its terms is proportional to the variable.
@@ -234,6 +256,11 @@ const RECIPROCAL: Term = Term {
     shown: "(1/(1 - {u}/pole) - 1)",
     value: |u, p| 1.0 / (1.0 - u / p[0]).max(0.02) - 1.0,
 };
+const INVERSE_POWER: Term = Term {
+    modelica: "noEvent(max({u}, 0.01))^(-exponent)",
+    shown: "{u}^(-exponent)",
+    value: |u, p| u.max(0.01).powf(-p[0]),
+};
 const STEP: Term = Term {
     modelica: "tanh(({u} - centre)/width)",
     shown: "tanh(({u} - centre)/width)",
@@ -253,6 +280,14 @@ const FALL: Term = Term {
     modelica: "(1/(1 + ({u}/width)^2) - 1)",
     shown: "(1/(1 + ({u}/width)^2) - 1)",
     value: |u, p| 1.0 / (1.0 + (u / p[0]).powi(2)) - 1.0,
+};
+const HILL: Term = Term {
+    modelica: "noEvent(abs({u})^exponent/(width^exponent + abs({u})^exponent))",
+    shown: "|{u}|^exponent/(width^exponent + |{u}|^exponent)",
+    value: |u, p| {
+        let power = u.abs().powf(p[1]);
+        power / (p[0].powf(p[1]) + power)
+    },
 };
 const SINE: Term = Term {
     modelica: "sin(wave_number*{u})",
@@ -299,6 +334,18 @@ const EXPONENT: Shape = Shape {
     name: "exponent",
     starts: &[0.5, 0.6, 0.7, 0.8, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0],
     range: (0.3, 10.0),
+    keeps_sign: false,
+};
+const INVERSE_EXPONENT: Shape = Shape {
+    name: "exponent",
+    starts: &[0.5, 1.0, 1.5, 2.0, 3.0, 4.0],
+    range: (0.2, 10.0),
+    keeps_sign: false,
+};
+const HILL_EXPONENT: Shape = Shape {
+    name: "exponent",
+    starts: &[1.5, 2.0, 3.0, 4.0],
+    range: (1.0, 10.0),
     keeps_sign: false,
 };
 const HINGE_EXPONENT: Shape =
@@ -360,7 +407,7 @@ const WAVE_NUMBER: Shape = Shape {
 };
 
 /// All forms, simple ones first.
-static FORMS: &[Form] = &[
+pub(super) static FORMS: &[Form] = &[
     Form { name: "Proportional", terms: &[LINE], shapes: &[], is_zero_at_zero: true },
     Form { name: "Line", terms: &[ONE, LINE], shapes: &[], is_zero_at_zero: false },
     Form { name: "PowerLaw", terms: &[POWER], shapes: &[EXPONENT], is_zero_at_zero: true },
@@ -383,6 +430,7 @@ static FORMS: &[Form] = &[
         shapes: &[WIDTH],
         is_zero_at_zero: true,
     },
+    Form { name: "Hill", terms: &[HILL], shapes: &[WIDTH, HILL_EXPONENT], is_zero_at_zero: true },
     Form {
         name: "SaturationAndSquare",
         terms: &[SATURATION, SIGNED_SQUARE],
@@ -390,7 +438,25 @@ static FORMS: &[Form] = &[
         is_zero_at_zero: true,
     },
     Form { name: "Logarithm", terms: &[LOGARITHM], shapes: &[KNEE], is_zero_at_zero: true },
+    Form {
+        name: "LineAndSaturation",
+        terms: &[LINE, SATURATION],
+        shapes: &[WIDTH],
+        is_zero_at_zero: true,
+    },
+    Form {
+        name: "LineAndLogarithm",
+        terms: &[LINE, LOGARITHM],
+        shapes: &[WIDTH],
+        is_zero_at_zero: true,
+    },
     Form { name: "Reciprocal", terms: &[RECIPROCAL], shapes: &[POLE], is_zero_at_zero: true },
+    Form {
+        name: "InversePower",
+        terms: &[INVERSE_POWER],
+        shapes: &[INVERSE_EXPONENT],
+        is_zero_at_zero: false,
+    },
     Form { name: "DeadBand", terms: &[DEAD_BAND], shapes: &[EDGE], is_zero_at_zero: true },
     Form { name: "Fall", terms: &[FALL], shapes: &[WIDTH], is_zero_at_zero: true },
     Form {
@@ -447,7 +513,10 @@ pub fn formulas(effects: &[Effect]) -> Vec<Effect> {
             continue;
         };
         let fits = |form: &&Form| match () {
-            () if curve.is_anchored => !form.has_constant() && !form.has_twin_from_zero(),
+            // A straight line has a class of its own.
+            () if curve.is_anchored => {
+                !form.has_constant() && !form.has_twin_from_zero() && !form.is_plain()
+            }
             () if curve.is_zero_at_zero => form.is_zero_at_zero,
             () => !form.is_twin_from_zero(),
         };

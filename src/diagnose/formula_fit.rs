@@ -74,22 +74,28 @@ pub fn formula_instead(
         Some((effect, formula.form)).filter(|(_, form)| is_curve || form.bends_line())
     });
     let (general, forms): (Vec<_>, Vec<_>) = forms.partition(|(_, form)| form.special().is_some());
-    let fitted = forms.into_iter().filter_map(|(effect, form)| knots.fitted(effect, form));
+    let centred = knots.from_middle();
+    let fitted = forms.into_iter().filter_map(|(effect, form)| match form.is_parabola() {
+        true => centred.fitted(effect, form),
+        false => knots.fitted(effect, form),
+    });
     let mut candidates: Vec<Candidate> = fitted.collect();
     candidates.sort_by(|a, b| a.criterion.total_cmp(&b.criterion));
     let mut best = finer.clone().filter(|finer| finer.is_determined(study));
-    for candidate in candidates.iter().take(search.policy().fitted_formulas) {
+    let most = search.generosity() * search.policy().fitted_formulas;
+    for candidate in candidates.iter().take(most) {
         if !search.may_continue() {
             break;
         }
-        let fitted = candidate.hypothesis(search, hypothesis, k, curve, &knots);
+        let fitted = candidate.hypothesis(search, hypothesis, k, curve);
         best = better_formula(search, k, best, fitted);
     }
     // A general form is fitted from its special one: the curve shows an exponent beyond a place less clearly than the place.
     for (effect, form) in general {
         let Some(special) = best.as_ref() else { break };
-        if let Some(candidate) = Candidate::from_special(study, special, k, effect, form) {
-            let fitted = candidate.hypothesis(search, special, k, curve, &knots);
+        if let Some(candidate) = Candidate::from_special(study, special, k, (effect, form), &knots)
+        {
+            let fitted = candidate.hypothesis(search, special, k, curve);
             best = better_formula(search, k, best, fitted);
         }
     }
@@ -114,7 +120,7 @@ fn better_formula(
 
 /// The free curve that formulas stand for in the place of an effect, and its position in the catalogue: the effect itself
 /// or, for a parameter that varies along a straight line, the curve along which it may vary.
-fn curve_of(study: &Study, effect: usize) -> Option<(usize, &FreeCurve)> {
+pub fn curve_of(study: &Study, effect: usize) -> Option<(usize, &FreeCurve)> {
     let own = &study.effects[effect];
     if let Some(curve) = &own.curve {
         return Some((own.finer_than.unwrap_or(effect), curve));
@@ -133,7 +139,26 @@ pub fn has_formulas(study: &Study, effect: usize) -> bool {
     curve_of(study, effect).is_some()
 }
 
+/// The value at `x` of a fitted formula in the place of a curve.
+pub fn value_of_formula(
+    study: &Study,
+    hypothesis: &Hypothesis,
+    chosen: &ChosenEffect,
+    curve: &FreeCurve,
+    x: f64,
+) -> Option<f64> {
+    let effect = &study.effects[chosen.effect];
+    let form = effect.formula.as_ref()?.form;
+    let fixed = |name: &str| chosen.fixed.iter().find(|(n, _)| n == name).map(|(_, v)| *v);
+    let fitted = |name: &str| Some(hypothesis.estimate(&chosen.full_name(name))?.0);
+    let u = (x - fixed(&middle_name(curve)).unwrap_or(0.0)) / fixed(&scale_name(curve))?;
+    let shapes = form.shapes.iter().map(|s| fitted(s.name)).collect::<Option<Vec<f64>>>()?;
+    let terms = effect.amplitudes.iter().zip(form.terms);
+    terms.map(|(a, term)| Some(fitted(&a.name)? * (term.value)(u, &shapes))).sum()
+}
+
 /// A fitted curve.
+#[derive(Clone)]
 struct Knots {
     x: Vec<f64>,
     y: Vec<f64>,
@@ -147,6 +172,8 @@ struct Knots {
     middle: f64,
     /// The value by which it is divided.
     scale: f64,
+    /// The formula has a parameter for that value.
+    may_be_centred: bool,
 }
 
 /// Errors of knots below this share of the greatest value are not trusted.
@@ -157,6 +184,9 @@ const LEAST_KNOTS: usize = 3;
 
 /// Points that stand for a straight line.
 const POINTS_ON_LINE: usize = 8;
+
+/// Distance of the values of a variable from a pole, in units of their scale.
+const LEAST_DISTANCE: f64 = 0.02;
 
 /// Rounds of the pattern search for the shapes of a form.
 const SHAPE_ROUNDS: usize = 40;
@@ -251,17 +281,39 @@ impl Knots {
             is_anchored: curve.is_anchored,
             middle,
             scale,
+            may_be_centred: curve.is_centred(),
         })
+    }
+
+    /// Some values of the variable are greater than the one from which it is counted, and some are less.
+    fn has_both_signs(&self) -> bool {
+        [-1.0, 1.0].iter().all(|sign| self.x.iter().any(|x| (x - self.middle) * sign > 0.0))
+    }
+
+    /// The same, with the variable counted from the middle of its range, if it has one sign and the curve may be.
+    fn from_middle(&self) -> Knots {
+        if !self.may_be_centred || self.has_both_signs() {
+            return self.clone();
+        }
+        let low = self.x.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = self.x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let middle = rounded(0.5 * (low + high));
+        let scale = rounded((low - middle).abs().max((high - middle).abs()));
+        Knots { middle, scale, ..self.clone() }
     }
 
     /// A form fitted to the knots: the best of its shapes.
     fn fitted(&self, effect: usize, form: &'static Form) -> Option<Candidate> {
         let shares = usize::from(self.is_shared) + usize::from(self.is_anchored);
         let parameters = form.terms.len() + form.shapes.len() + shares;
-        let has_both_signs =
-            [-1.0, 1.0].iter().all(|sign| self.x.iter().any(|x| (x - self.middle) * sign > 0.0));
+        let has_both_signs = self.has_both_signs();
+        // From the middle, a parabola has the same values.
+        let is_repeated = form.is_odd_parabola() && self.may_be_centred && !has_both_signs;
+        let is_near_pole = |x: &f64| (x - self.middle) / self.scale < LEAST_DISTANCE;
         if parameters >= self.x.len()
+            || form.has_pole_at_zero() && self.x.iter().any(is_near_pole)
             || self.is_shared && form.has_line()
+            || is_repeated
             || form.needs_both_signs() && !has_both_signs
         {
             return None;
@@ -270,7 +322,18 @@ impl Knots {
         let candidate = |shapes: Vec<f64>| {
             let (amplitudes, constant, cost) = self.amplitudes(form, &shapes)?;
             let criterion = cost + penalty;
-            Some(Candidate { effect, form, amplitudes, constant, shapes, criterion })
+            let Knots { middle, scale, is_shared, .. } = *self;
+            Some(Candidate {
+                effect,
+                form,
+                amplitudes,
+                constant,
+                shapes,
+                criterion,
+                middle,
+                scale,
+                is_shared,
+            })
         };
         let mut best: Option<Candidate> = None;
         for shapes in grid(form) {
@@ -332,6 +395,12 @@ struct Candidate {
     shapes: Vec<f64>,
     /// Information criterion over the knots.
     criterion: f64,
+    /// Those of [`Knots`].
+    middle: f64,
+    /// Those of [`Knots`].
+    scale: f64,
+    /// That of [`Knots`].
+    is_shared: bool,
 }
 
 impl Candidate {
@@ -340,8 +409,8 @@ impl Candidate {
         study: &Study,
         special: &Hypothesis,
         k: usize,
-        effect: usize,
-        form: &'static Form,
+        (effect, form): (usize, &'static Form),
+        knots: &Knots,
     ) -> Option<Candidate> {
         let chosen = &special.effects[k];
         let own = study.effects[chosen.effect].formula.as_ref()?.form;
@@ -359,6 +428,9 @@ impl Candidate {
             constant: 0.0,
             shapes: shapes.chain([Some(added)]).collect::<Option<_>>()?,
             criterion: 0.0,
+            middle: knots.middle,
+            scale: knots.scale,
+            is_shared: knots.is_shared,
         })
     }
 
@@ -377,7 +449,6 @@ impl Candidate {
         from: &Hypothesis,
         k: usize,
         curve: &FreeCurve,
-        knots: &Knots,
     ) -> Option<Hypothesis> {
         let study = search.study;
         let effect = &study.effects[self.effect];
@@ -385,9 +456,9 @@ impl Candidate {
         let name = component_name(&effect.class, k, &from.effects);
         let prefix = name.clone();
         let mut chosen = ChosenEffect { effect: self.effect, name, prefix, ..old.clone() };
-        chosen.fixed = vec![(scale_name(curve), knots.scale)];
+        chosen.fixed = vec![(scale_name(curve), self.scale)];
         if curve.is_centred() {
-            chosen.fixed.push((middle_name(curve), knots.middle));
+            chosen.fixed.push((middle_name(curve), self.middle));
         }
         let mut plan: Plan = from.plan.clone();
         let is_old = |name: &String| old.fitted.iter().any(|p| *name == old.full_name(p));
@@ -396,7 +467,7 @@ impl Candidate {
         for free in plan.free.iter_mut().filter(|free| is_multiplied(free)) {
             free.start = free.start.map(|start| start * (1.0 + self.constant));
         }
-        if knots.is_shared {
+        if self.is_shared {
             // Their values belong to the whole curve, of which they have a share.
             for free in &mut plan.free {
                 let planned = study.plan.free.iter().find(|f| f.name == free.name);
@@ -502,7 +573,7 @@ fn rounded(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::formula::formulas;
+    use super::super::formula::{FORMS, formulas};
     use super::*;
 
     /// The whitening of `n` values with independent errors of 0.01.
@@ -521,6 +592,7 @@ mod tests {
             is_anchored: false,
             middle: 0.0,
             scale: 2.0,
+            may_be_centred: true,
         }
     }
 
@@ -547,6 +619,19 @@ mod tests {
         assert_eq!((name, shapes.as_slice()), ("PowerLaw", &[1.5][..]));
         assert!((amplitudes[0] - 5.0 * 2f64.powf(1.5)).abs() < 1e-9);
         assert_eq!(chosen(|x| 2.0 + 3.0 * (-x / 0.4).exp()).0, "Exponential");
+        // The knots from 0 to 1.75 counted from 0.9 (0.875 with one digit), in units of 0.9.
+        let parabola = FORMS.iter().find(|f| f.is_parabola()).unwrap();
+        let around = knots(|x| 2.0 * (x - 0.9) + 3.0 * (x - 0.9).powi(2)).from_middle();
+        let found = around.fitted(0, parabola).unwrap().amplitudes;
+        assert!((found[0] - 1.8).abs() < 1e-9 && (found[1] - 2.43).abs() < 1e-9, "{found:?}");
+        let mut far = knots(|_| 0.0);
+        far.x.iter_mut().for_each(|x| *x += 0.2);
+        far.y = far.x.iter().map(|x| 0.1 / (x * x)).collect();
+        let pole = FORMS.iter().find(|f| f.has_pole_at_zero()).unwrap();
+        let found = far.fitted(0, pole).unwrap();
+        // u = x/2: 0.1/x^2 = 0.025 u^-2.
+        assert!((found.amplitudes[0] - 0.025).abs() < 1e-9 && found.shapes == [2.0]);
+        assert!(knots(|x| x).fitted(0, pole).is_none(), "the knots contain zero");
         assert_eq!(chosen(|x| (3.0 * x).sin()).0, "Wave");
         // u/(0.4 + u) = x/(0.8 + x).
         let (name, amplitudes, shapes) = chosen(|x| 7.0 * x / (0.8 + x));

@@ -75,8 +75,9 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
                 }
             }
             hold_undetermined(search, from, &mut hypotheses);
-            with_formulas(search, &mut hypotheses);
             if let Some(ranking) = diagnosis.rankings.last() {
+                with_formulas(search, from, ranking, depth, &mut hypotheses);
+                with_formulas_of_curves(search, from, &mut hypotheses);
                 with_simpler_formula(search, from, ranking, depth, &mut hypotheses);
             }
             let supported = |h: &Hypothesis| {
@@ -105,7 +106,7 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
 const DECISIVE_SHARE: f64 = 0.7;
 
 /// Fits of the proposals, if the first of them promises most of the excess: preliminary fits of many others would only cost
-/// time. A parameter that varies may promise as much in the place of another law.
+/// time. A parameter that varies, or a product of variables, may promise as much in the place of another law.
 fn decisive_fits(
     search: &Search<'_>,
     from: &Hypothesis,
@@ -114,7 +115,11 @@ fn decisive_fits(
 ) -> Vec<Hypothesis> {
     let excess = from.train.total() - from.train.count() as f64;
     let first = proposals.first().and_then(|p| p.first());
-    let first = first.filter(|s| !search.study.effects[s.effect].is_variation());
+    let is_vague = |s: &&Scored| {
+        let effect = &search.study.effects[s.effect];
+        effect.is_variation() || effect.is_product()
+    };
+    let first = first.filter(|s| !is_vague(s));
     let promised = first.map_or(0.0, |s| s.gain);
     let is_decisive = from.chi2_train() >= search.policy().large_effect_above
         && promised > DECISIVE_SHARE * excess;
@@ -144,7 +149,13 @@ fn hold_undetermined(search: &Search<'_>, from: &Hypothesis, hypotheses: &mut [H
 /// share, so that nothing determines it, or if it describes what is missing only roughly: a curve between its knots, a
 /// parameter that varies along a straight line or a power. A second effect would else be found that makes up for the
 /// first.
-fn with_formulas(search: &Search<'_>, hypotheses: &mut Vec<Hypothesis>) {
+fn with_formulas(
+    search: &Search<'_>,
+    from: &Hypothesis,
+    ranking: &[Scored],
+    depth: usize,
+    hypotheses: &mut Vec<Hypothesis>,
+) {
     let study = search.study;
     let Some(best) = hypotheses.first() else { return };
     let is_vague = ends_with_curve(study, best) || ends_with_variation(study, best);
@@ -164,8 +175,14 @@ fn with_formulas(search: &Search<'_>, hypotheses: &mut Vec<Hypothesis>) {
         let own = h.effects.get(last);
         own.is_some_and(|c| c.place == *place && has_formulas(study, c.effect))
     };
-    let Some(from) = hypotheses.iter().find(has_knots) else { return };
-    if let Some(formula) = formula_instead(search, from, last) {
+    let known = hypotheses.iter().find(has_knots).cloned();
+    let is_curve = |s: &&Scored| study.is_curve(s.effect) && s.place == *place;
+    let curve = || {
+        let proposal = [vec![ranking.iter().find(is_curve)?.clone()]];
+        CandidateFits::new(search, from, &proposal, depth).run().into_iter().next()
+    };
+    let Some(known) = known.or_else(curve) else { return };
+    if let Some(formula) = formula_instead(search, &known, last) {
         let allowance = if is_determined { allowance(search, best, last) } else { 0.0 };
         let criterion = formula.total_criterion() - allowance;
         let is_worse = |h: &Hypothesis| h.is_determined(study) && h.total_criterion() > criterion;
@@ -173,6 +190,42 @@ fn with_formulas(search: &Search<'_>, hypotheses: &mut Vec<Hypothesis>) {
         hypotheses.insert(place, formula);
     }
 }
+
+/// Adds formulas in the place of free curves that describe the fitted recordings better than the best hypothesis, where that
+/// is a law which leaves something to explain: such a law bends as the curve does, and a second effect would be found that
+/// makes up for it.
+fn with_formulas_of_curves(
+    search: &Search<'_>,
+    from: &Hypothesis,
+    hypotheses: &mut Vec<Hypothesis>,
+) {
+    let study = search.study;
+    let Some(best) = hypotheses.first() else { return };
+    if ends_with_curve(study, best) || best.is_resolved(search.policy()) {
+        return;
+    }
+    let last = best.effects.len() - 1;
+    let describes_more = |h: &&Hypothesis| {
+        let is_of_curve = ends_with_curve(study, h) && has_formulas(study, h.effects[last].effect);
+        is_of_curve && h.train.total() < best.train.total() && search.leads(from, h)
+    };
+    let mut curves: Vec<Hypothesis> = hypotheses.iter().filter(describes_more).cloned().collect();
+    curves.sort_by(|a, b| a.train.total().total_cmp(&b.train.total()));
+    for curve in curves.iter().take(CURVES_WITH_FORMULAS) {
+        if !search.may_continue() {
+            break;
+        }
+        if let Some(formula) = formula_instead(search, curve, last) {
+            let criterion = formula.total_criterion();
+            let is_worse = |h: &Hypothesis| h.total_criterion() > criterion;
+            let place = hypotheses.iter().position(is_worse).unwrap_or(hypotheses.len());
+            hypotheses.insert(place, formula);
+        }
+    }
+}
+
+/// Free curves whose formulas are fitted beside a law.
+const CURVES_WITH_FORMULAS: usize = 2;
 
 /// Adds a formula before the best hypothesis if that leaves nothing to explain, but by a law of so many parameters that it
 /// may imitate another one: the formula of the free curve elsewhere which promised more, if that has fewer parameters and
@@ -280,7 +333,7 @@ fn other_values<'r>(
 }
 
 /// True for a parameter that varies by a special law of the catalogue: neither along a straight line nor a free curve.
-fn is_special(study: &Study, s: &Scored) -> bool {
+pub fn is_special(study: &Study, s: &Scored) -> bool {
     study.effects[s.effect].is_variation() && !has_formulas(study, s.effect)
 }
 

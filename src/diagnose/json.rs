@@ -30,7 +30,7 @@ pub fn json(outcome: &Outcome, amended_model: Option<&str>, seconds: f64) -> Str
         let more = vec![("delta_bic", delta), ("beside", beside)];
         effect_json(catalogue, hypothesis, own, more)
     };
-    let rejected = diagnosis.rejected.iter().filter_map(|hypothesis| {
+    let rejected = best_of_each(&diagnosis.rejected).into_iter().filter_map(|hypothesis| {
         let last = groups(&hypothesis.effects).count().checked_sub(1)?;
         Some(alternative(hypothesis, last))
     });
@@ -79,6 +79,19 @@ pub fn json(outcome: &Outcome, amended_model: Option<&str>, seconds: f64) -> Str
         ("complete", Json::flag(outcome.complete)),
     ];
     Json::object(members).pretty()
+}
+
+/// Of hypotheses with the same effects the best one, in the place of the first.
+fn best_of_each(all: &[Hypothesis]) -> Vec<&Hypothesis> {
+    let mut out: Vec<&Hypothesis> = Vec::new();
+    for hypothesis in all {
+        match out.iter_mut().find(|known| known.has_same_effects(hypothesis)) {
+            Some(known) if hypothesis.bic() < known.bic() => *known = hypothesis,
+            Some(_) => {}
+            None => out.push(hypothesis),
+        }
+    }
+    out
 }
 
 /// The free parameters of the plan, in SI units, without effects and with those that were found.

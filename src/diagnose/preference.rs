@@ -198,7 +198,7 @@ pub fn ends_with_term(study: &Study, hypothesis: &Hypothesis) -> bool {
 }
 
 /// True if the last added effect is a product of variables.
-fn ends_with_product(study: &Study, hypothesis: &Hypothesis) -> bool {
+pub fn ends_with_product(study: &Study, hypothesis: &Hypothesis) -> bool {
     hypothesis.effects.last().is_some_and(|c| study.effects[c.effect].is_product())
 }
 

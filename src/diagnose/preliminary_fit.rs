@@ -65,12 +65,33 @@ pub fn with_preliminary_fits(
         search.note(&format!("preliminary fit of {labels}: {share:.2} % left"));
         if left[k] < policy.most_share {
             out.push(candidates[k].clone());
+            let curve = curve_of_instrument(search.study, &all, &candidates[k]);
+            out.extend(curve.filter(|curve| !out.iter().any(|known| is_same(known, curve))));
         }
     }
     let is_preferred = |p: &Vec<Scored>| out.iter().any(|known| is_same(known, p));
     let rest: Vec<Vec<Scored>> = proposals.into_iter().filter(|p| !is_preferred(p)).collect();
     out.extend(rest);
     out
+}
+
+/// The free curve of the sensor or actuator that a proposal changes: where one of its laws explains something, another one may
+/// explain more, which the score of the curve does not show from afar.
+fn curve_of_instrument(
+    study: &Study,
+    all: &[Vec<Scored>],
+    proposal: &[Scored],
+) -> Option<Vec<Scored>> {
+    let [law] = proposal else { return None };
+    let acts_alike = |s: &Scored| {
+        let (own, other) = (&study.effects[law.effect], &study.effects[s.effect]);
+        (own.of_signal || own.acts.is_some())
+            && own.of_signal == other.of_signal
+            && own.acts.is_some() == other.acts.is_some()
+    };
+    let is_curve =
+        |s: &Scored| study.is_curve(s.effect) && s.place.is_same_over(&law.place) && acts_alike(s);
+    all.iter().find(|p| matches!(p.as_slice(), [s] if is_curve(s))).cloned()
 }
 
 /// The named effects that get a preliminary fit: first those that promise most, then the best of each law that is not

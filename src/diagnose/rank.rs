@@ -134,6 +134,14 @@ fn sloped_places(search: &Search<'_>, scored: &[Scored]) -> Vec<Place> {
     places.filter(|place| single.contains(&place.at)).collect()
 }
 
+/// All places where a single parameter may vary by some law.
+fn varied_places(study: &Study, hypothesis: &Hypothesis) -> Vec<Place> {
+    let single = &study.variations.parameters[..study.variations.single];
+    let laws = study.effects.iter().filter(|e| e.is_variation());
+    let all = laws.flat_map(|e| study.places(e, &hypothesis.plan));
+    all.filter(|place| single.contains(&place.at)).collect()
+}
+
 fn rank_those(
     search: &Search<'_>,
     hypothesis: &Hypothesis,
@@ -145,11 +153,17 @@ fn rank_those(
     let is_later = |k: usize| is_curve(k) || effects[k].follows_line;
     let mut best =
         scored(search, hypothesis, replaced, &|k, place| !is_later(k) && filter(k, place));
-    let places = sloped_places(search, &best);
-    let curved = &places[..places.len().min(CURVED_VARIATIONS)];
+    let mut places = sloped_places(search, &best);
+    let (mut most_curved, mut most_following) = (CURVED_VARIATIONS, FOLLOWING_PARAMETERS);
+    if places.is_empty() && !search.policy().only.is_empty() {
+        // Without straight lines, all places are looked at.
+        places = varied_places(search.study, hypothesis);
+        (most_curved, most_following) = (usize::MAX, usize::MAX);
+    }
+    let curved = &places[..places.len().min(most_curved)];
     let mut following: Vec<&Vec<String>> = Vec::new();
     for place in &places {
-        if following.len() < FOLLOWING_PARAMETERS && !following.contains(&&place.at) {
+        if following.len() < most_following && !following.contains(&&place.at) {
             following.push(&place.at);
         }
     }

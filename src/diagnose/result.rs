@@ -114,7 +114,9 @@ pub fn sentences(effects: &[Effect], chosen: &[ChosenEffect]) -> Vec<String> {
         let explains = &effects[group[0].effect].explains;
         let sentence = match at.as_slice() {
             [a, b] if group[0].place.is_between() => {
-                let wall = format!("wall between {a} and {b}");
+                let between = format!("between {a} and {b}");
+                let explains = explains.replace("passes %at", &format!("passes {between}"));
+                let wall = format!("wall {between}");
                 let rest = explains.strip_prefix("%at").map(|rest| format!("The {wall}{rest}"));
                 rest.unwrap_or_else(|| explains.replace("%at", &format!("the {wall}")))
             }

@@ -7,11 +7,14 @@ use crate::calibrate::problem::Problem;
 use super::backward_elimination::without;
 use super::candidate_fit::CandidateFits;
 use super::catalogue::Amplitude;
-use super::forward_selection::promising;
+use super::difference::as_difference;
+use super::forward_selection::{is_special, promising};
 use super::hypothesis::{ChosenEffect, Hypothesis, groups, plan_without_effects};
 use super::pairwise_selection::{pairs, pairwise_selection_from};
 use super::place::Place;
-use super::preference::{ends_with_sensor, ends_with_term, ends_with_value, ends_with_variation};
+use super::preference::{
+    ends_with_product, ends_with_sensor, ends_with_term, ends_with_value, ends_with_variation,
+};
 use super::rank::{Scored, rank, rank_instead};
 use super::result::Diagnosis;
 use super::search::{Search, accept};
@@ -207,9 +210,11 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     let is_alternative = |s: &&Scored| s.gain > policy.alternative_share * gain && !is_own(s);
     // Beside parameters that vary, named laws and slightly other sets are the alternatives that matter.
     let is_varied = ends_with_variation(search.study, &current);
+    let is_product = ends_with_product(search.study, &current);
     let varies = |s: &&Scored| search.study.effects[s.effect].varies.is_some();
     let mut alternatives = neighbours(search, &current);
     alternatives.extend(over_other_variables(search, &current, first));
+    alternatives.extend(variations_instead(search, &current, first));
     let promising = ranking
         .iter()
         .filter(is_alternative)
@@ -217,7 +222,7 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         .take(policy.alternatives)
         .map(|s| vec![s.clone()]);
     alternatives.extend(promising);
-    let equals = equally_promising(search, first, &is_own);
+    let equals = equally_promising(search, first, &current, &is_own);
     let is_equal = |h: &Hypothesis| equals.iter().flatten().any(|s| s.has_all(&h.effects));
     alternatives.extend(equals.iter().cloned());
     let near = 1.0 + policy.alternative_excess * (diagnosis.before.chi2_train() - 1.0);
@@ -238,15 +243,21 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         // A condition holds for a whole recording; a signal may only follow it.
         let steadier =
             is_over_condition(search.study, h) && !is_over_condition(search.study, &current);
-        let preferred = fewer || simpler || named || plainer || steadier;
-        // Nor does a parameter that varies replace a named law that explains as much.
-        let is_vague = !is_varied && !plainer && ends_with_variation(search.study, h);
+        // The rise and the fall of a state say more than the sign of a difference that its rate follows.
+        let says_rate = is_of_rate(search.study, h) && is_over_difference(&current);
+        let preferred = fewer || simpler || named || plainer || steadier || says_rate;
+        // Nor does a parameter that varies replace a named law that explains as much, but a product of variables if it has
+        // fewer parameters.
+        let is_plainer_variation = is_product && h.values.len() < current.values.len();
+        let is_vague =
+            !is_varied && !plainer && !is_plainer_variation && ends_with_variation(search.study, h);
         // A sensor is a rival, and blamed only if nothing else is.
         let is_last = !of_sensor && h.effects.iter().any(|c| c.place.signal.is_some());
         // What promised the same at first is a rival, and which of them was fitted first is chance: the better one stays.
         if is_equal(h) && !plainer {
             let has_more = h.values.len() > current.values.len();
-            return !is_last && gained > 0.0 && !has_more && !is_vague;
+            let least = if says_rate { -policy.evidence } else { 0.0 };
+            return !is_last && gained > least && !has_more && !is_vague;
         }
         !is_last
             && (gained > policy.evidence || gained > -policy.evidence && preferred && !is_vague)
@@ -264,14 +275,26 @@ pub fn compare_alternatives(search: &Search<'_>, diagnosis: &mut Diagnosis) {
 fn equally_promising(
     search: &Search<'_>,
     first: &[Scored],
+    current: &Hypothesis,
     is_own: &dyn Fn(&Scored) -> bool,
 ) -> Vec<Vec<Scored>> {
-    let Some(own) = first.iter().find(|s| is_own(s)) else { return Vec::new() };
+    let study = search.study;
+    // A formula has no score of its own; the laws at its place have.
+    let is_formula = current.effects.iter().any(|c| study.effects[c.effect].formula.is_some());
+    let is_here = |s: &Scored| match current.effects.first() {
+        Some(chosen) if is_formula => chosen.place == s.place && !study.is_curve(s.effect),
+        _ => is_own(s),
+    };
+    let Some(own) = first.iter().find(|s| is_here(s)) else { return Vec::new() };
+    // A straight line and a law that begins as one promise the same, at every place.
+    let form = |s: &Scored| (is_special(study, s), study.effects[s.effect].follows_line);
     let mut equals: Vec<&Scored> = Vec::new();
     for s in first.iter().filter(|s| s.gain > EQUAL_PROMISE * own.gain) {
-        let is_as = |known: &&Scored| known.promises_as(s) || known.place.at == s.place.at;
-        let is_repeated = is_own(s) || equals.iter().any(is_as);
-        if equals.len() < MOST_EQUALS && !search.study.is_curve(s.effect) && !is_repeated {
+        let is_as = |known: &&Scored| {
+            known.promises_as(s) || known.place.at == s.place.at && form(known) == form(s)
+        };
+        let is_repeated = is_here(s) || equals.iter().any(is_as);
+        if equals.len() < MOST_EQUALS && !study.is_curve(s.effect) && !is_repeated {
             equals.push(s);
         }
     }
@@ -281,7 +304,7 @@ fn equally_promising(
 /// Share of the promise of an effect from which on another one promised as much.
 const EQUAL_PROMISE: f64 = 0.98;
 /// Most of these that are fitted.
-const MOST_EQUALS: usize = 3;
+const MOST_EQUALS: usize = 4;
 
 /// If parameters vary: the sets that differ from theirs by one parameter, with the same amplitude, small ones first.
 pub fn neighbours(search: &Search<'_>, current: &Hypothesis) -> Vec<Vec<Scored>> {
@@ -332,6 +355,31 @@ fn over_other_variables(
     here.filter(is_near).take(OTHER_VARIABLES).map(|s| vec![s.clone()]).collect()
 }
 
+/// If a product of variables was found: the laws with one amplitude by which a single parameter varies over one of these, that
+/// promised nearly as much at first. A factor that falls with a variable looks like a product with it.
+fn variations_instead(
+    search: &Search<'_>,
+    current: &Hypothesis,
+    first: &[Scored],
+) -> Vec<Vec<Scored>> {
+    let study = search.study;
+    let [own] = current.effects.as_slice() else { return Vec::new() };
+    if !ends_with_product(study, current) {
+        return Vec::new();
+    }
+    let known = first.iter().find(|s| s.effect == own.effect && s.place == own.place);
+    let promised = known.map_or(0.0, |s| s.gain);
+    let is_alike = |s: &&Scored| {
+        let effect = &study.effects[s.effect];
+        let is_simple = effect.is_variation() && effect.amplitudes.len() == 1;
+        let is_over_own = s.place.binds.iter().all(|b| own.place.binds.iter().any(|o| o.1 == b.1));
+        is_simple && is_over_own && s.gain > NEARLY_AS_MUCH * promised
+    };
+    first.iter().filter(is_alike).take(VARIATIONS_INSTEAD).map(|s| vec![s.clone()]).collect()
+}
+
+/// Laws of parameters that are tried in the place of a product.
+const VARIATIONS_INSTEAD: usize = 5;
 /// Other variables over which a law is tried.
 const OTHER_VARIABLES: usize = 3;
 /// Share of the promise of a law which the same law over a variable other than a condition must promise to be tried.
@@ -342,6 +390,17 @@ const NEARLY_AS_MUCH: f64 = 0.9;
 /// True for a single parameter, or set of them, that varies with a condition of the plan.
 fn is_over_condition(study: &Study, hypothesis: &Hypothesis) -> bool {
     matches!(hypothesis.effects.as_slice(), [only] if is_of_conditions(study, &only.place))
+}
+
+/// True for a single parameter that differs between the rise and the fall of a state.
+fn is_of_rate(study: &Study, hypothesis: &Hypothesis) -> bool {
+    matches!(hypothesis.effects.as_slice(), [only] if study.effects[only.effect].is_of_rate)
+}
+
+/// True for a single effect that depends on the difference of two variables.
+fn is_over_difference(hypothesis: &Hypothesis) -> bool {
+    let [only] = hypothesis.effects.as_slice() else { return false };
+    only.place.binds.iter().any(|(_, variable)| as_difference(variable).is_some())
 }
 
 /// True for an effect that depends on conditions of the plan alone.

@@ -6,7 +6,7 @@ use super::candidate_fit::CandidateFits;
 use super::formula_fit::{formula_instead, has_formulas};
 use super::hypothesis::{ChosenEffect, Hypothesis};
 use super::place::Place;
-use super::preference::ends_with_variation;
+use super::preference::{ends_with_curve, ends_with_variation};
 use super::rank::{Scored, rank_instead};
 use super::result::Diagnosis;
 use super::revise::{accept_instead, stripped};
@@ -14,10 +14,23 @@ use super::search::Search;
 
 /// Curves elsewhere whose formulas are fitted.
 const CURVES: usize = 2;
+/// Laws of a parameter that are fitted beside its curve.
+const LAWS: usize = 2;
 /// By how much a curve elsewhere may describe the fitted recordings worse, relative to the sum of squares.
 const NEAR: f64 = 0.02;
 /// Share of what a term explains which the curve of a parameter must promise.
 const PROMISED_SHARE: f64 = 0.5;
+/// The same where the term leaves something to explain, so that it may be another one.
+const PROMISED_SHARE_IF_LEFT: f64 = 0.05;
+
+/// Does the same before a second effect is added, if a single curve or term explains nearly everything, but not all: what it
+/// leaves is more often the fault of its place.
+pub fn compare_curves_early(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    let leads = search.leads(&diagnosis.before, &diagnosis.after);
+    if leads && !diagnosis.after.is_resolved(search.policy()) && search.may_continue() {
+        compare_curves(search, diagnosis);
+    }
+}
 
 /// Replaces a single curve, the formula in its place, or a term of an equation by a formula elsewhere that describes the
 /// recordings better.
@@ -52,20 +65,29 @@ pub fn compare_curves(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     });
     rivals.truncate(CURVES);
     let has_variation = rivals.iter().any(|h| ends_with_variation(study, h));
+    let mut laws = Vec::new();
     if is_term && !has_variation {
-        let curves = curves_of_parameters(search, diagnosis, own);
-        rivals.extend(curves.into_iter().filter(|h| is_rival(&h)));
+        for h in laws_of_parameters(search, diagnosis, own) {
+            match ends_with_curve(study, &h) {
+                true => rivals.extend(Some(h).filter(|h| is_rival(&h))),
+                false => laws.push(h),
+            }
+        }
     }
     let may_continue = |_: &&Hypothesis| search.may_continue();
     let formulas = rivals.iter().take_while(may_continue);
     let formulas = formulas.filter_map(|curve| formula_instead(search, curve, 0));
+    // A curve gives way to another one.
+    let is_curve = study.is_curve(own.effect);
+    let is_determined = |h: &&Hypothesis| is_curve && h.is_determined(study);
+    let formulas = formulas.chain(rivals.iter().filter(is_determined).cloned());
     // A name says more than a formula of as many parameters that explains as much.
     let is_better = |formula: &Hypothesis| {
         let gained = after.total_criterion() - formula.total_criterion();
         let is_simpler = is_vague || formula.values.len() < after.values.len();
         gained > if is_simpler { 0.0 } else { search.policy().evidence }
     };
-    let better = formulas.filter(is_better);
+    let better = formulas.chain(laws).filter(is_better);
     let best = better.min_by(|a, b| a.total_criterion().total_cmp(&b.total_criterion()));
     if let Some(best) = best {
         search.note("a formula elsewhere explains more");
@@ -73,8 +95,9 @@ pub fn compare_curves(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     }
 }
 
-/// Free curves of single parameters over the variable of a term that promise about as much as the term, fitted.
-fn curves_of_parameters(
+/// Free curves of single parameters over the variable of a term that promise about as much as the term, and the best laws at
+/// the same places, fitted.
+fn laws_of_parameters(
     search: &Search<'_>,
     diagnosis: &Diagnosis,
     own: &ChosenEffect,
@@ -86,13 +109,28 @@ fn curves_of_parameters(
     let single = &study.variations.parameters[..study.variations.single];
     let over = |place: &Place| place.binds.first().map(|(_, variable)| variable.clone());
     let is_alike = |effect: usize, place: &Place| {
-        let varies = study.effects[effect].is_variation() && has_formulas(study, effect);
-        varies && single.contains(&place.at) && over(place) == over(&own.place)
+        study.effects[effect].is_variation()
+            && single.contains(&place.at)
+            && over(place) == over(&own.place)
     };
     let ranking = rank_instead(search, after, &diagnosis.before, &is_alike);
     let explained = diagnosis.before.train.total() - after.train.total();
-    let promising = |s: &&Scored| study.is_curve(s.effect) && s.gain > PROMISED_SHARE * explained;
-    let proposals: Vec<Vec<Scored>> =
-        ranking.iter().filter(promising).take(CURVES).map(|s| vec![s.clone()]).collect();
+    let share = match after.is_resolved(search.policy()) {
+        true => PROMISED_SHARE,
+        false => PROMISED_SHARE_IF_LEFT,
+    };
+    let promising = |s: &&Scored| study.is_curve(s.effect) && s.gain > share * explained;
+    let curves: Vec<&Scored> = ranking.iter().filter(promising).take(CURVES).collect();
+    let is_here = |effect: usize, place: &Place| {
+        let is_law = study.effects[effect].is_variation() && !study.is_curve(effect);
+        is_law && curves.iter().any(|curve| curve.place.is_same_over(place))
+    };
+    let laws = rank_instead(search, after, &diagnosis.before, &is_here);
+    let mut proposals: Vec<Vec<Scored>> = Vec::new();
+    for curve in &curves {
+        let is_own = |s: &&Scored| s.place.is_same_over(&curve.place);
+        proposals.extend(laws.iter().filter(is_own).take(LAWS).map(|s| vec![s.clone()]));
+        proposals.push(vec![(*curve).clone()]);
+    }
     CandidateFits::new(search, &start, &proposals, 0).instead_of(&diagnosis.before).run()
 }

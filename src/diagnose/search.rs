@@ -26,7 +26,7 @@ use super::policy::SearchPolicy;
 use super::rank::Scored;
 use super::result::{Diagnosis, Verdict};
 use super::revise::{compare_alternatives, revise, select_again, simplify, swap_effects};
-use super::rival_curves::compare_curves;
+use super::rival_curves::{compare_curves, compare_curves_early};
 use super::sibling_laws::compare_siblings;
 use super::study::{DiagnosisError, Study};
 
@@ -219,6 +219,7 @@ fn diagnose_from(search: &Search<'_>, before: Hypothesis) -> Diagnosis {
     }
     widen_variation(search, &mut diagnosis);
     refine_law(search, &mut diagnosis);
+    compare_curves_early(search, &mut diagnosis);
     let second = add_second(search, &mut diagnosis);
     let is_one = |diagnosis: &Diagnosis| groups(&diagnosis.after.effects).count() == 1;
     if is_one(&diagnosis) {

@@ -8,10 +8,11 @@
 
 use super::backward_elimination::without;
 use super::candidate_fit::CandidateFits;
-use super::formula_fit::{formula_instead, has_formulas};
+use super::formula_fit::{curve_of, formula_instead, has_formulas, value_of_formula};
 use super::hypothesis::{ChosenEffect, Hypothesis, groups};
 use super::place::Place;
 use super::rank::{Scored, rank_instead};
+use super::regrid::ends;
 use super::result::Diagnosis;
 use super::revise::{accept_instead, not_fitted};
 use super::search::Search;
@@ -149,8 +150,8 @@ fn contains_straight_line(study: &Study, own: &ChosenEffect) -> bool {
         && effect.formula.as_ref().is_some_and(|f| f.form.contains_straight_line())
 }
 
-/// The straight line in the place of a power by which several parameters vary together. Sets of parameters that the
-/// search has put together are not scored, so its slope is the one that was found for some of them.
+/// The straight line in the place of a power by which several parameters vary together, through the ends of the power. Sets
+/// of parameters that the search has put together are not scored; the line is one that was fitted for some of them.
 fn straight_line(study: &Study, diagnosis: &Diagnosis, own: &ChosenEffect) -> Option<Scored> {
     if !contains_straight_line(study, own) {
         return None;
@@ -165,18 +166,18 @@ fn straight_line(study: &Study, diagnosis: &Diagnosis, own: &ChosenEffect) -> Op
             && c.place.binds == own.place.binds
             && c.place.at.iter().any(|at| own.place.at.contains(at))
     };
-    diagnosis.rejected.iter().rev().find_map(|h| {
-        let line = h.effects.iter().find(is_line)?;
-        let slope = h.estimate(&line.full_name(&study.effects[line.effect].amplitudes[0].name))?.0;
-        Some(Scored {
-            effect: line.effect,
-            place: own.place.clone(),
-            shape: line.fixed.clone(),
-            amplitudes: vec![slope],
-            gain: 0.0,
-            validation_gain: None,
-            others: Vec::new(),
-        })
+    let line = diagnosis.rejected.iter().rev().find_map(|h| h.effects.iter().find(is_line))?;
+    let (_, curve) = curve_of(study, line.effect)?;
+    let (low, high) = ends(&line.fixed, curve)?;
+    let power = |x: f64| value_of_formula(study, &diagnosis.after, own, curve, x);
+    Some(Scored {
+        effect: line.effect,
+        place: own.place.clone(),
+        shape: line.fixed.clone(),
+        amplitudes: vec![(1.0 + power(high)?) / (1.0 + power(low)?) - 1.0],
+        gain: 0.0,
+        validation_gain: None,
+        others: Vec::new(),
     })
 }
 

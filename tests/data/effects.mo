@@ -1079,6 +1079,16 @@ package EffectTests
       annotation(experiment(StopTime = 2, Tolerance = 1e-11), __mocc(varies = "k = effect.factor"));
     end WaveVariation;
 
+    model OptimumVariation
+      extends Check;
+      // u = time - 1
+      Effects.OptimumVariation effect(a = 0.6, b = -0.9, x = time, x_hi = 2);
+    equation
+      found = {effect.factor};
+      exact = {exp(0.6*(time - 1) - 0.9*(time - 1)^2)};
+      annotation(experiment(StopTime = 2, Tolerance = 1e-11));
+    end OptimumVariation;
+
     model StepVariation
       extends Check(n = 2);
       parameter Real k = 2;
@@ -1158,6 +1168,16 @@ package EffectTests
       exact = {exp(-2*time + 1.5*time^2)};
       annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(T) = effect.term"));
     end ProductTerm;
+
+    model SaturatingTerm
+      extends Equation;
+      Effects.SaturatingTerm effect(A = 2, K = 1, x = T);
+    equation
+      // T' = -2 T + 2 T/(1 + T) = -2 T^2/(1 + T)
+      found = {log(T) - 1/T};
+      exact = {-1 - 2*time};
+      annotation(experiment(StopTime = 1, Tolerance = 1e-9), __mocc(adds = "der(T) = effect.term"));
+    end SaturatingTerm;
 
     model MonodTerm
       extends Equation;
@@ -1465,6 +1485,24 @@ package EffectTests
       exact = {2*time/sqrt(4 + time^2)};
       annotation(experiment(StopTime = 5, Tolerance = 1e-9));
     end ActuatorSaturation;
+
+    model ActuatorTanh
+      extends Check;
+      Effects.ActuatorTanh effect(k = 0.25, u = time);
+    equation
+      found = {effect.y};
+      exact = {2*tanh(time/2)};
+      annotation(experiment(StopTime = 5, Tolerance = 1e-9));
+    end ActuatorTanh;
+
+    model SensorTanh
+      extends Check;
+      Effects.SensorTanh effect(k = 0.25, u = -time);
+    equation
+      found = {effect.y};
+      exact = {-2*tanh(time/2)};
+      annotation(experiment(StopTime = 5, Tolerance = 1e-9));
+    end SensorTanh;
 
     model SensorSaturation
       extends Check;
@@ -2804,6 +2842,12 @@ package EffectTests
       annotation(__mocc(varies = "spring.c = effect.factor"));
     end WaveVariation;
 
+    model OptimumVariation
+      extends Base;
+      Effects.OptimumVariation effect(x = s, x_hi = 3.5e-3);
+      annotation(__mocc(varies = "spring.c = effect.factor"));
+    end OptimumVariation;
+
     model StepVariation
       extends Base;
       Effects.StepVariation effect(x = s, x_s = 1e-3);
@@ -2929,6 +2973,12 @@ package EffectTests
       annotation(__mocc(adds = "der(observed) = effect.term"));
     end ProductTerm;
 
+    model SaturatingTerm
+      extends Equation;
+      Effects.SaturatingTerm effect(x = observed);
+      annotation(__mocc(adds = "der(observed) = effect.term"));
+    end SaturatingTerm;
+
     model MonodTerm
       extends Equation;
       Effects.MonodTerm effect(x = s, y = observed);
@@ -3022,6 +3072,17 @@ package EffectTests
       Effects.ActuatorSaturation effect(u = u);
       annotation(__mocc(through = "u = effect.y"));
     end ActuatorSaturation;
+
+    model ActuatorTanh
+      extends Driven;
+      Effects.ActuatorTanh effect(u = u);
+      annotation(__mocc(through = "u = effect.y"));
+    end ActuatorTanh;
+
+    model SensorTanh
+      extends Base;
+      Effects.SensorTanh effect(u = v);
+    end SensorTanh;
 
     model SensorSaturation
       extends Base;

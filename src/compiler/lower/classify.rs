@@ -202,6 +202,10 @@ fn classify(
         Variability::Continuous if by_when.contains(&id) => VariableKind::Discrete,
         Variability::Continuous => VariableKind::Algebraic,
     };
+    let is_free = v.variability == Variability::Parameter && v.fixed == Some(false);
+    if is_free && v.binding.is_some() {
+        problems.push(error::guess_of_parameter(v));
+    }
     if by_when.contains(&id) && kind != VariableKind::Discrete {
         problems.push(error::assigned_parameter(v));
     }
@@ -210,7 +214,7 @@ fn classify(
         ty: v.ty,
         kind,
         derivative_of: None,
-        start: v.start.or(v.binding.filter(|_| kind == VariableKind::InitialParameter)),
+        start: v.binding.filter(|_| kind == VariableKind::InitialParameter).or(v.start),
         fixed: v.fixed,
         min: v.min,
         max: v.max,

@@ -56,6 +56,10 @@ causes! {
         error MO0335 TwoFirstValues { name: String } (section "8.6")
             => ("`{name}` has two different values at the start"),
             help("keep one of them: an initial equation, or `fixed = true`");
+        /// A parameter with `fixed = false` has a value as well.
+        warning MO0337 GuessOfParameter { name: String } (section "8.6")
+            => ("the value of `{name}` is only its first guess: it has `fixed = false`"),
+            help("remove `fixed = false` if no initial equation determines it, or else write the value as `start`");
         /// The interval of `sample` varies.
         error MO0311 VaryingSample (section "3.7.5")
             => ("the start and the interval of `sample` must be parameter expressions"),
@@ -85,6 +89,11 @@ causes! {
             => ("`initialPoints` and `initialValues` of `spatialDistribution` must be parameter expressions"),
             help("use only parameters and constants in them");
     }
+}
+
+/// A parameter with `fixed = false` and a value.
+pub fn guess_of_parameter(v: &Variable) -> Diagnostic {
+    Diagnostic::new(LoweringCause::GuessOfParameter { name: v.name.clone() }, v.span)
 }
 
 /// Parameters whose values depend on each other.

@@ -797,3 +797,78 @@ equation
   5*der(p) = q - p/R;
   annotation(experiment(StopTime = 100, Interval = 0.5));
 end Truth;
+
+//@ case hover
+//@ used by diagnose_domains.rs
+model Hover "A rotor above the ground, with its controller"
+  parameter Real z_1 = 1;
+  parameter Real z_2 = 1;
+  parameter Real k_T = 1;
+  Real z(start = z_1, fixed = true);
+  Real v(start = 0, fixed = true);
+  Real F(start = 9.81, fixed = true);
+equation
+  der(z) = v;
+  der(v) = k_T*F - 9.81 - 0.2*v;
+  0.1*der(F) = 9.81 + 4*((if time < 4 then z_1 else z_2) - z) - 4*v - F;
+  annotation(experiment(StopTime = 8, Interval = 0.05));
+end Hover;
+
+//@ case hover_truth
+//@ used by diagnose_domains.rs
+model Truth "The ground helps"
+  parameter Real z_1 = 1;
+  parameter Real z_2 = 1;
+  Real z(start = z_1, fixed = true);
+  Real v(start = 0, fixed = true);
+  Real F(start = 9.81, fixed = true);
+equation
+  der(z) = v;
+  der(v) = 0.95*(1 + 0.03/z^2)*F - 9.81 - 0.2*v;
+  0.1*der(F) = 9.81 + 4*((if time < 4 then z_1 else z_2) - z) - 4*v - F;
+  annotation(experiment(StopTime = 8, Interval = 0.05));
+end Truth;
+
+//@ case culture
+//@ used by diagnose_domains.rs
+model Culture "Growth in water whose temperature changes"
+  parameter Real T_m = 20;
+  parameter Real mu = 0.04;
+  Real T = T_m + 10*sin(time/20);
+  Real X(start = 0.5, fixed = true);
+equation
+  der(X) = mu*X*(1 - X/10);
+  annotation(experiment(StopTime = 200, Interval = 1));
+end Culture;
+
+//@ case culture_truth
+//@ used by diagnose_domains.rs
+model Truth "It grows best at 25 degrees"
+  parameter Real T_m = 20;
+  Real T = T_m + 10*sin(time/20);
+  Real X(start = 0.5, fixed = true);
+equation
+  der(X) = 0.06*exp(-((T - 25)/8)^2)*X*(1 - X/10);
+  annotation(experiment(StopTime = 200, Interval = 1));
+end Truth;
+
+//@ case elimination
+//@ used by diagnose_domains.rs
+model Elimination "A substance that is given and leaves"
+  parameter Real dose = 20;
+  parameter Real k = 0.1;
+  Real C(start = 0, fixed = true);
+equation
+  der(C) = (if time < 2 then dose/2 else 0) - k*C;
+  annotation(experiment(StopTime = 30, Interval = 0.1));
+end Elimination;
+
+//@ case elimination_truth
+//@ used by diagnose_domains.rs
+model Truth "An enzyme helps"
+  parameter Real dose = 20;
+  Real C(start = 0, fixed = true);
+equation
+  der(C) = (if time < 2 then dose/2 else 0) - 0.1*C - 1.6*C/(1.5 + C);
+  annotation(experiment(StopTime = 30, Interval = 0.1));
+end Truth;

@@ -43,6 +43,30 @@ equation
   end when;
 end Shared;
 
+//@ case shared_parameters
+// The values of parameters and the attributes of variables share their parts, too.
+model Shared
+  function mixed
+    input Real x;
+    output Real y;
+  algorithm
+    y := x;
+    for k in 1:30 loop
+      y := (sin(y) + y/(2 + cos(y)))/1.5;
+    end for;
+  end mixed;
+  parameter Real a = 2;
+  parameter Real b = mixed(a) + mixed(2*a);
+  Real x(start = mixed(a), nominal = mixed(a) + mixed(3*a), fixed = true);
+  Real y = b;
+equation
+  der(x) = -b*x;
+  annotation(experiment(StopTime = 1));
+end Shared;
+//@ expect y = 0.05880165565259807 rel 1e-12
+//@ expect x at start = 0.029288139380569775 rel 1e-12
+//@ expect x = 0.029288139380569775*exp(-(0.05880165565259807)) rel 1e-5
+
 //@ case conditions_of_functions
 //@ used by stages.rs
 // A value in one branch that a condition needs in another: a variable for it would need itself.

@@ -284,3 +284,17 @@ equation
 end Pump;
 //@ expect runs = 0
 //@ expect q = (-1 + sqrt(5))/2 rel 1e-9
+
+//@ case values_of_free_parameters
+// Section 8.6: a value beside `fixed = false` deserves a diagnostic; it is used where no initial equation determines the
+// parameter, before its start attribute.
+model Springs
+  //@ warning[MO0337] 18
+  parameter Real c(fixed = false) = 2000;
+  //@ warning[MO0337] 18
+  parameter Real d(start = 5, fixed = false) = 30;
+  Real f = c*0.01;
+initial equation
+  f = 40;
+end Springs;
+//@ expect c, d, f = 4000, 30, 40

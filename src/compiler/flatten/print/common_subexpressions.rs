@@ -36,6 +36,8 @@ enum PartContext {
     Literal,
     /// In a when-clause, which assigns the variable.
     When,
+    /// In the values of parameters, the attributes of variables and initial equations, which read a further parameter.
+    Parameters,
 }
 
 /// The model with variables for common subexpressions; `None` if it can be printed as it is.
@@ -72,6 +74,7 @@ fn share(flat: &mut FlatModel, sizes: &[u64], excluded: &FastSet<ExprId>) -> Vec
     }
     cyclic.extend(in_equations(flat, &mut equations, sizes, excluded));
     flat.equations = equations;
+    cyclic.extend(in_parameters(flat, sizes, excluded));
     for function in flat.functions.iter_mut() {
         super::function_locals::in_function(&mut flat.graph, function, sizes);
     }
@@ -83,7 +86,9 @@ fn length(flat: &FlatModel, sizes: &[u64]) -> u64 {
     let mut total = 0_u64;
     let mut add = |e: ExprId| total = total.saturating_add(sizes[e.0 as usize]);
     flat.variables.iter().filter_map(|v| v.binding).for_each(&mut add);
-    flat.equations.iter().for_each(|equation| equation.for_each_expression(&mut add));
+    flat.variables.iter().flat_map(attributes).for_each(&mut add);
+    let equations = flat.equations.iter().chain(&flat.initial_equations);
+    equations.for_each(|equation| equation.for_each_expression(&mut add));
     flat.functions.iter().for_each(|function| function.for_each_expression(&mut add));
     total
 }
@@ -176,22 +181,7 @@ fn in_equations(
     let mut literal = bindings.bind_literal_parts(flat, sizes, excluded);
     let parts = [bindings.definitions(flat), literal.definitions(flat)].concat();
     let cyclic = cyclic(&flat.graph, &parts, &[&bindings.parts[..], &literal.parts].concat());
-    for e in equations.iter_mut() {
-        match &mut e.kind {
-            EquationKind::Equal(a, b) => {
-                [a, b].into_iter().for_each(|e| *e = bindings.substitute(&mut flat.graph, *e));
-            }
-            EquationKind::Algorithm { values, .. } => {
-                values.iter_mut().for_each(|e| *e = bindings.substitute(&mut flat.graph, *e));
-            }
-            EquationKind::Assert(a) => {
-                [&mut a.condition, &mut a.message]
-                    .into_iter()
-                    .for_each(|e| *e = bindings.substitute(&mut flat.graph, *e));
-            }
-            EquationKind::When(_) => {}
-        }
-    }
+    equations.iter_mut().for_each(|e| bindings.substitute_in(&mut flat.graph, e));
     for v in bound {
         if let Some(e) = flat.variables[v].binding {
             flat.variables[v].binding = Some(bindings.substitute(&mut flat.graph, e));
@@ -203,6 +193,86 @@ fn in_equations(
         equations.push(Equation { kind: EquationKind::Equal(lhs, e), origin });
     }
     cyclic
+}
+
+/// The attributes of a variable that are parameter expressions.
+fn attributes(v: &Variable) -> impl Iterator<Item = ExprId> + use<> {
+    [v.start, v.min, v.max, v.nominal].into_iter().flatten()
+}
+
+fn in_parameters(flat: &mut FlatModel, sizes: &[u64], excluded: &FastSet<ExprId>) -> Vec<ExprId> {
+    let is_parameter = |v: &Variable| v.variability == Variability::Parameter;
+    let values = flat.variables.iter().filter(|v| is_parameter(v)).filter_map(|v| v.binding);
+    let all = values.chain(flat.variables.iter().flat_map(attributes));
+    let mut all: Vec<ExprId> = all.collect();
+    let are_parametric = are_parametric(flat);
+    for equation in &flat.initial_equations {
+        equation.for_each_expression(&mut |e| {
+            parametric_parts(&flat.graph, e, &are_parametric, &mut all);
+        });
+    }
+    let roots: Vec<Root> = all.into_iter().map(|e| (e, None)).collect();
+    let old: Vec<VarId> = flat.variables.ids().collect();
+    let mut bindings = LetBindings::of(flat, &roots, PartContext::Parameters, sizes, excluded);
+    let parts = bindings.definitions(flat);
+    let cyclic = cyclic(&flat.graph, &parts, &bindings.parts);
+    for v in old {
+        let own = &flat.variables[v];
+        let binding = own.binding.filter(|_| is_parameter(own));
+        let all = [binding, own.start, own.min, own.max, own.nominal];
+        let [binding, start, min, max, nominal] =
+            all.map(|e| e.map(|e| bindings.substitute(&mut flat.graph, e)));
+        let own = &mut flat.variables[v];
+        own.binding = binding.or(own.binding);
+        (own.start, own.min, own.max, own.nominal) = (start, min, max, nominal);
+    }
+    let mut equations = std::mem::take(&mut flat.initial_equations);
+    equations.iter_mut().for_each(|e| bindings.substitute_in(&mut flat.graph, e));
+    flat.initial_equations = equations;
+    for (v, e) in parts {
+        flat.variables[v].binding = Some(e);
+    }
+    cyclic
+}
+
+/// For each expression, whether it depends on parameters and constants alone.
+fn are_parametric(flat: &FlatModel) -> Vec<bool> {
+    let graph = &flat.graph;
+    let mut are: Vec<bool> = Vec::with_capacity(graph.len());
+    for e in graph.ids() {
+        let mut is = match graph.node(e) {
+            Node::Var(v) => {
+                flat.variables.get(v).is_some_and(|v| v.variability <= Variability::Parameter)
+            }
+            Node::Time
+            | Node::Der(_)
+            | Node::Pre(_)
+            | Node::Initial
+            | Node::Terminal
+            | Node::Sample(..)
+            | Node::Clocked(..)
+            | Node::Relation(_)
+            | Node::Recorded(..)
+            | Node::Homotopy(..) => false,
+            _ => true,
+        };
+        graph.for_each_operand(e, |a| is &= are[a.0 as usize]);
+        are.push(is);
+    }
+    are
+}
+
+/// Adds the largest parts of an expression that depend on parameters alone, but for those that a condition may leave out.
+fn parametric_parts(graph: &Graph, e: ExprId, are_parametric: &[bool], out: &mut Vec<ExprId>) {
+    let (mut open, mut seen) = (vec![e], FastSet::default());
+    while let Some(e) = open.pop() {
+        match graph.node(e) {
+            _ if are_parametric[e.0 as usize] => out.push(e),
+            _ if !seen.insert(e) => {}
+            Node::If(condition, ..) => open.push(condition),
+            _ => graph.for_each_operand(e, |a| open.push(a)),
+        }
+    }
 }
 
 /// Let-bindings: subexpressions and the variables that replace them.
@@ -288,6 +358,23 @@ impl LetBindings {
         definitions
     }
 
+    /// Replaces subexpressions of an equation by their variables.
+    fn substitute_in(&mut self, graph: &mut Graph, equation: &mut Equation) {
+        match &mut equation.kind {
+            EquationKind::Equal(a, b) => {
+                [a, b].into_iter().for_each(|e| *e = self.substitute(graph, *e));
+            }
+            EquationKind::Algorithm { values, .. } => {
+                values.iter_mut().for_each(|e| *e = self.substitute(graph, *e));
+            }
+            EquationKind::Assert(a) => {
+                let all = [&mut a.condition, &mut a.message].into_iter();
+                all.for_each(|e| *e = self.substitute(graph, *e));
+            }
+            EquationKind::When(_) => {}
+        }
+    }
+
     /// Replaces subexpressions by their variables.
     fn substitute(&mut self, graph: &mut Graph, e: ExprId) -> ExprId {
         let (names, place) = (&self.names, self.place);
@@ -302,6 +389,7 @@ fn variable(flat: &mut FlatModel, part: ExprId, place: PartContext) -> Variable 
     let name = format!("$shared{}", flat.variables.len() + 1);
     let ty = flat.graph.ty(part);
     let variability = match (ty, place) {
+        (_, PartContext::Parameters) => Variability::Parameter,
         (Type::Real, PartContext::Equations | PartContext::Literal) => Variability::Continuous,
         _ => Variability::Discrete,
     };
@@ -333,7 +421,7 @@ fn repeated(uses: &Uses, graph: &Graph, place: PartContext, sizes: &[u64]) -> Ve
         let fits = match graph.ty(*e) {
             Type::Real => true,
             Type::Boolean => place != PartContext::Literal,
-            Type::Integer => place == PartContext::When,
+            Type::Integer => matches!(place, PartContext::When | PartContext::Parameters),
             _ => false,
         };
         (fits && *count > 1 && sizes[e.0 as usize] >= MIN_PART_SIZE).then_some(*e)
