@@ -204,9 +204,10 @@ fn with_formulas_of_curves(
     if ends_with_curve(study, best) || best.is_resolved(search.policy()) {
         return;
     }
-    let last = best.effects.len() - 1;
+    let has_own_formulas =
+        |h: &Hypothesis| h.effects.last().is_some_and(|c| has_formulas(study, c.effect));
     let describes_more = |h: &&Hypothesis| {
-        let is_of_curve = ends_with_curve(study, h) && has_formulas(study, h.effects[last].effect);
+        let is_of_curve = ends_with_curve(study, h) && has_own_formulas(h);
         is_of_curve && h.train.total() < best.train.total() && search.leads(from, h)
     };
     let mut curves: Vec<Hypothesis> = hypotheses.iter().filter(describes_more).cloned().collect();
@@ -215,7 +216,7 @@ fn with_formulas_of_curves(
         if !search.may_continue() {
             break;
         }
-        if let Some(formula) = formula_instead(search, curve, last) {
+        if let Some(formula) = formula_instead(search, curve, curve.effects.len() - 1) {
             let criterion = formula.total_criterion();
             let is_worse = |h: &Hypothesis| h.total_criterion() > criterion;
             let place = hypotheses.iter().position(is_worse).unwrap_or(hypotheses.len());
