@@ -74,7 +74,7 @@ pub fn formula_instead(
         Some((effect, formula.form)).filter(|(_, form)| is_curve || form.bends_line())
     });
     let (general, forms): (Vec<_>, Vec<_>) = forms.partition(|(_, form)| form.special().is_some());
-    let centred = knots.from_middle();
+    let centred = knots.counted_from_middle();
     let fitted = forms.into_iter().filter_map(|(effect, form)| match form.is_parabola() {
         true => centred.fitted(effect, form),
         false => knots.fitted(effect, form),
@@ -291,7 +291,7 @@ impl Knots {
     }
 
     /// The same, with the variable counted from the middle of its range, if it has one sign and the curve may be.
-    fn from_middle(&self) -> Knots {
+    fn counted_from_middle(&self) -> Knots {
         if !self.may_be_centred || self.has_both_signs() {
             return self.clone();
         }
@@ -621,7 +621,7 @@ mod tests {
         assert_eq!(chosen(|x| 2.0 + 3.0 * (-x / 0.4).exp()).0, "Exponential");
         // The knots from 0 to 1.75 counted from 0.9 (0.875 with one digit), in units of 0.9.
         let parabola = FORMS.iter().find(|f| f.is_parabola()).unwrap();
-        let around = knots(|x| 2.0 * (x - 0.9) + 3.0 * (x - 0.9).powi(2)).from_middle();
+        let around = knots(|x| 2.0 * (x - 0.9) + 3.0 * (x - 0.9).powi(2)).counted_from_middle();
         let found = around.fitted(0, parabola).unwrap().amplitudes;
         assert!((found[0] - 1.8).abs() < 1e-9 && (found[1] - 2.43).abs() < 1e-9, "{found:?}");
         let mut far = knots(|_| 0.0);

@@ -23,17 +23,8 @@ const PROMISED_SHARE: f64 = 0.5;
 /// The same where the term leaves something to explain, so that it may be another one.
 const PROMISED_SHARE_IF_LEFT: f64 = 0.05;
 
-/// Does the same before a second effect is added, if a single curve or term explains nearly everything, but not all: what it
-/// leaves is more often the fault of its place.
-pub fn compare_curves_early(search: &Search<'_>, diagnosis: &mut Diagnosis) {
-    let leads = search.leads(&diagnosis.before, &diagnosis.after);
-    if leads && !diagnosis.after.is_resolved(search.policy()) && search.may_continue() {
-        compare_curves(search, diagnosis);
-    }
-}
-
-/// Replaces a single curve, the formula in its place, or a term of an equation by a formula elsewhere that describes the
-/// recordings better.
+/// Replaces a single curve, the formula in its place, or a term of an equation by a law elsewhere that describes the
+/// recordings better: a formula, or one by which a parameter varies.
 pub fn compare_curves(search: &Search<'_>, diagnosis: &mut Diagnosis) {
     let (study, after) = (search.study, &diagnosis.after);
     let [own] = after.effects.as_slice() else { return };
@@ -87,11 +78,21 @@ pub fn compare_curves(search: &Search<'_>, diagnosis: &mut Diagnosis) {
         let is_simpler = is_vague || formula.values.len() < after.values.len();
         gained > if is_simpler { 0.0 } else { search.policy().evidence }
     };
+    let laws = laws.into_iter().filter(|h| h.is_determined(study));
     let better = formulas.chain(laws).filter(is_better);
     let best = better.min_by(|a, b| a.total_criterion().total_cmp(&b.total_criterion()));
     if let Some(best) = best {
-        search.note("a formula elsewhere explains more");
+        search.note("a law elsewhere explains more");
         accept_instead(search, diagnosis, best);
+    }
+}
+
+/// Does the same before a second effect is added, if a single curve or term explains nearly everything, but not all: what it
+/// leaves is more often the fault of its place.
+pub fn compare_curves_early(search: &Search<'_>, diagnosis: &mut Diagnosis) {
+    let leads = search.leads(&diagnosis.before, &diagnosis.after);
+    if leads && !diagnosis.after.is_resolved(search.policy()) && search.may_continue() {
+        compare_curves(search, diagnosis);
     }
 }
 
