@@ -4,6 +4,7 @@
 use crate::calibrate::fit::refined;
 use crate::calibrate::problem::Problem;
 
+use super::alternatives::neighbours;
 use super::backward_elimination::without;
 use super::candidate_fit::CandidateFits;
 use super::formula_fit::formula_instead;
@@ -11,7 +12,7 @@ use super::hypothesis::{ChosenEffect, Hypothesis, attach, groups};
 use super::place::Place;
 use super::rank::{Scored, rank_instead};
 use super::result::Diagnosis;
-use super::revise::{accept_first_better, accept_instead, neighbours, not_fitted, stripped};
+use super::revise::{accept_first_better, accept_instead, not_fitted, stripped};
 use super::search::Search;
 
 /// Adds parameters that vary as the one that was found does, one at a time, for as long as the data support that. Its

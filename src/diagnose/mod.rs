@@ -11,6 +11,7 @@
 
 pub mod adapter;
 pub mod alike_components;
+pub mod alternatives;
 pub mod amended_model;
 pub mod backward_elimination;
 pub mod balance;

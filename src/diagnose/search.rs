@@ -12,6 +12,7 @@ use crate::calibrate::data::Split;
 use crate::calibrate::fit::{self, quick_fit};
 use crate::calibrate::observer::{Event, Observer};
 
+use super::alternatives::compare_alternatives;
 use super::backward_elimination::{eliminated, without_inert};
 use super::effective_evidence::{eliminate_unsupported, supports_first};
 use super::formula_fit::replace_curves;
@@ -25,7 +26,7 @@ use super::place::Place;
 use super::policy::SearchPolicy;
 use super::rank::Scored;
 use super::result::{Diagnosis, Verdict};
-use super::revise::{compare_alternatives, revise, select_again, simplify, swap_effects};
+use super::revise::{revise, select_again, simplify, swap_effects};
 use super::rival_curves::{compare_curves, compare_curves_early};
 use super::sibling_laws::compare_siblings;
 use super::study::{DiagnosisError, Study};
