@@ -37,8 +37,8 @@ pub fn differences(flat: &FlatModel, conditions: &[String], inputs: &[String]) -
     });
     let sides: Vec<_> = sides.collect();
     let bindings = flat.variables.iter().filter_map(|v| v.binding);
-    // A side that defines a variable.
-    let is_variable = |e: ExprId| matches!(flat.graph.node(e), Node::Var(_));
+    // A side that defines a variable, or one times a parameter.
+    let is_variable = |e: ExprId| gives_variable(flat, e);
     let defining = sides.iter().flat_map(|(_, [left, right])| {
         [(*left, *right), (*right, *left)].into_iter().filter(|(own, _)| is_variable(*own))
     });
@@ -70,6 +70,21 @@ pub fn differences(flat: &FlatModel, conditions: &[String], inputs: &[String]) -
     found.extend(of_inputs.filter(has_unit).filter(&mut is_new).take(left));
     let name = |v: VarId| &flat.variables[v].name;
     found.into_iter().map(|(a, b)| format!("{}{MINUS}{}", name(a), name(b))).collect()
+}
+
+/// True for an expression that determines a variable, without rates: the variable itself, or one times parameters.
+fn gives_variable(flat: &FlatModel, e: ExprId) -> bool {
+    let mut variables: FastSet<VarId> = FastSet::default();
+    for n in flat.graph.postorder([e]) {
+        match flat.graph.node(n) {
+            Node::Var(v) if flat.variables[v].variability == Variability::Continuous => {
+                variables.insert(v);
+            }
+            Node::Der(_) => return false,
+            _ => {}
+        }
+    }
+    variables.len() == 1
 }
 
 /// True for two numbers of one unit of which one varies during a run, and the other at least between the recordings.

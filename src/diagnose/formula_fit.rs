@@ -125,7 +125,7 @@ pub fn curve_of(study: &Study, effect: usize) -> Option<(usize, &FreeCurve)> {
     if let Some(curve) = &own.curve {
         return Some((own.finer_than.unwrap_or(effect), curve));
     }
-    let varies = own.varies.is_some() && own.formula.is_none();
+    let varies = own.varies.is_some() && own.formula.is_none() && own.amplitudes.len() == 1;
     let is_along = |curve: &FreeCurve| {
         own.shape_parameters.iter().any(|(n, _)| curve.from.as_ref() == Some(n))
     };

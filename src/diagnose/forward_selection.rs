@@ -338,8 +338,8 @@ pub fn is_special(study: &Study, s: &Scored) -> bool {
     study.effects[s.effect].is_variation() && !has_formulas(study, s.effect)
 }
 
-/// Adds the special law by which a parameter varies that promises most, if it promises more than a straight line over
-/// the same variable; that line comes first.
+/// Adds the special law by which a parameter varies that promises most, and the best one with a single amplitude, if it
+/// promises more than a straight line over the same variable; that line comes first.
 fn special_variations<'r>(
     search: &Search<'_>,
     hypothesis: &Hypothesis,
@@ -362,8 +362,14 @@ fn special_variations<'r>(
         return;
     }
     let at = line.and_then(|line| proposals.iter().position(|known| known.is_same(line)));
+    // One with several amplitudes promises more than others, whatever the law is.
+    let has_one = |s: &&Scored| study.effects[s.effect].amplitudes.len() == 1;
+    let mut special = ranking.iter().filter(is_supported).filter(|s| is_special(study, s));
+    let simple = special.find(has_one).filter(|s| !s.is_same(best));
     match (at, line) {
-        (Some(k), _) => proposals.insert(k + 1, best),
-        (None, line) => proposals.extend(line.into_iter().chain([best])),
+        (Some(k), _) => {
+            proposals.splice(k + 1..k + 1, [best].into_iter().chain(simple)).for_each(drop)
+        }
+        (None, line) => proposals.extend(line.into_iter().chain([best]).chain(simple)),
     }
 }

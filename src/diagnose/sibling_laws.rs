@@ -69,7 +69,15 @@ fn siblings(search: &Search<'_>, diagnosis: &Diagnosis, k: usize) -> Vec<Hypothe
         let is_other = is_law(study, effect)
             && parameters(study, effect) <= parameters(study, own.effect)
             && !is_known(diagnosis, &own, effect);
-        effect != own.effect && (is_other || is_simpler(effect)) && is_at(place, &own.place)
+        // A formula by which a parameter varies gives way to a law with a name and one amplitude.
+        let is_named_variation = is_formula(study, own.effect)
+            && own.fitted.len() > 1
+            && study.effects[own.effect].is_variation()
+            && is_special_variation(study, effect)
+            && study.effects[effect].amplitudes.len() == 1
+            && !is_known(diagnosis, &own, effect);
+        let is_wanted = is_other || is_simpler(effect) || is_named_variation;
+        effect != own.effect && is_wanted && is_at(place, &own.place)
     };
     let mut ranking = rank_instead(search, after, &rest, &is_sibling);
     ranking.retain(|s| !is_known(diagnosis, &own, s.effect));
