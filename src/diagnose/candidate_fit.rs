@@ -293,10 +293,11 @@ impl<'a> CandidateFits<'a> {
         let explains_nothing = |h: &Hypothesis| self.calibrated.is_some() && !self.explains_most(h);
         // Where no law comes close, a curve may after more steps.
         let leads = |h: &&Hypothesis| self.search.leads(self.from, h);
+        let mut leading = hypotheses.iter().filter(leads);
         let is_close = match self.search.generosity() {
-            1 => hypotheses.iter().any(|h| leads(&h)),
+            1 => leading.next().is_some(),
             // Fits cost little.
-            _ => hypotheses.iter().filter(leads).any(|h| h.is_resolved(policy)),
+            _ => leading.any(|h| h.is_resolved(policy)),
         };
         let may_pass = if is_close { 1.0 } else { CURVE_MAY_PASS };
         let is_near = |h: &Hypothesis| match ends_with_curve(study, h) {

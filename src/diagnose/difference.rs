@@ -37,12 +37,11 @@ pub fn differences(flat: &FlatModel, conditions: &[String], inputs: &[String]) -
     });
     let sides: Vec<_> = sides.collect();
     let bindings = flat.variables.iter().filter_map(|v| v.binding);
-    // A side that defines a variable, or one times a parameter.
-    let is_variable = |e: ExprId| gives_variable(flat, e);
-    let defining = sides.iter().flat_map(|(_, [left, right])| {
-        [(*left, *right), (*right, *left)].into_iter().filter(|(own, _)| is_variable(*own))
-    });
-    let whole = defining.map(|(_, side)| side).chain(bindings).filter_map(difference);
+    // A difference that is a function of one variable of the model.
+    let whole = sides.iter().flat_map(|(_, [left, right])| [(*left, *right), (*right, *left)]);
+    let whole = whole.filter_map(|(other, side)| Some((other, difference(side)?)));
+    let whole = whole.filter(|(other, _)| is_of_one_variable(flat, *other)).map(|(_, pair)| pair);
+    let whole = whole.chain(bindings.filter_map(difference));
     let ordered = |(a, b): (VarId, VarId)| (a.min(b), a.max(b));
     // Those that are known already, or variables of the model.
     let mut known: FastSet<(VarId, VarId)> = whole.map(ordered).collect();
@@ -72,13 +71,16 @@ pub fn differences(flat: &FlatModel, conditions: &[String], inputs: &[String]) -
     found.into_iter().map(|(a, b)| format!("{}{MINUS}{}", name(a), name(b))).collect()
 }
 
-/// True for an expression that determines a variable, without rates: the variable itself, or one times parameters.
-fn gives_variable(flat: &FlatModel, e: ExprId) -> bool {
+/// True for an expression of one variable, without rates.
+fn is_of_one_variable(flat: &FlatModel, e: ExprId) -> bool {
     let mut variables: FastSet<VarId> = FastSet::default();
     for n in flat.graph.postorder([e]) {
         match flat.graph.node(n) {
-            Node::Var(v) if flat.variables[v].variability == Variability::Continuous => {
-                variables.insert(v);
+            Node::Var(v) => {
+                let own = flat.variables.get(v);
+                if own.is_some_and(|v| v.variability == Variability::Continuous) {
+                    variables.insert(v);
+                }
             }
             Node::Der(_) => return false,
             _ => {}

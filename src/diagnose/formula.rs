@@ -127,8 +127,8 @@ impl Form {
         matches!(self.terms, [term] if term.modelica == POWER.modelica)
     }
 
-    /// It is counted from the middle of the range, where a curve multiplies a parameter that may be zero at the zero of the
-    /// variable.
+    /// It is a line and a square. Where a curve multiplies a parameter, it is counted from the middle of the range: at the zero
+    /// of the variable, the parameter may be zero or negative.
     pub fn is_parabola(&self) -> bool {
         let is = |t: &Term| [LINE.modelica, SQUARE.modelica].contains(&t.modelica);
         self.terms.len() == 2 && self.terms.iter().all(is)

@@ -172,7 +172,7 @@ struct Knots {
     middle: f64,
     /// The value by which it is divided.
     scale: f64,
-    /// The formula has a parameter for that value.
+    /// The curve multiplies a parameter, and its formula may be counted from any value.
     may_be_centred: bool,
 }
 
@@ -281,7 +281,7 @@ impl Knots {
             is_anchored: curve.is_anchored,
             middle,
             scale,
-            may_be_centred: curve.is_centred(),
+            may_be_centred: curve.is_centred() && curve.is_anchored,
         })
     }
 

@@ -368,7 +368,8 @@ fn special_variations<'r>(
     let simple = special.find(has_one).filter(|s| !s.is_same(best));
     match (at, line) {
         (Some(k), _) => {
-            proposals.splice(k + 1..k + 1, [best].into_iter().chain(simple)).for_each(drop)
+            let both = [best].into_iter().chain(simple).enumerate();
+            both.for_each(|(n, s)| proposals.insert(k + 1 + n, s));
         }
         (None, line) => proposals.extend(line.into_iter().chain([best]).chain(simple)),
     }
