@@ -11,8 +11,8 @@ use super::program::{Ended, fmu_runtime, mocc};
 
 /// Standard deviation of the noise, K.
 const SIGMA: f64 = 0.05;
-/// Distance of the rows, s.
-const ROW: f64 = 4.0;
+/// Distance of the rows, s. The corners of the power are at rows.
+const ROW: f64 = 6.0;
 /// Length of a recording, s.
 const LENGTH: f64 = 360.0;
 

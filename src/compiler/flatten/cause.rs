@@ -39,6 +39,11 @@ causes! {
                  in a when-clause outside of it"),
             help("write the when-clause there, or determine a variable of this class \
                   and bind or connect the other one to it");
+        /// A branch of a when-equation determines a variable that another one does not.
+        error MO0257 OtherLeftSides { name: String } (section "8.3.5.2")
+            => ("only some branches of this when-equation determine `{name}`"),
+            help("determine it in each branch, where `{name} = pre({name})` keeps its value, \
+                  or write when-equations of their own");
         /// The left side of an equation in a when-clause is not a variable.
         error MO1276 LeftSideInWhen (section "8.3.5.3")
             => ("expected a variable on the left side of an equation in a when-clause"),

@@ -1,5 +1,7 @@
 //! Expands when-clauses into conditions and actions (Modelica 3.6, section 8.3.5).
 
+use std::collections::BTreeSet;
+
 use super::cause::{ConnectPlace, FlattenCause, WhenEquationPlace};
 use crate::base::diag::Diagnostic;
 use crate::base::source::Span;
@@ -21,7 +23,8 @@ pub(super) fn branches(
     list: &[(Expr, Vec<ast::Equation>)],
     scope: Scope,
 ) -> Option<Vec<WhenBranch>> {
-    let mut out = Vec::with_capacity(list.len());
+    let mut out: Vec<WhenBranch> = Vec::with_capacity(list.len());
+    let mut left_sides: Option<BTreeSet<VarId>> = None;
     for (condition, body) in list {
         let conditions = conditions(cx, condition, scope)?;
         let mut actions = Vec::new();
@@ -29,6 +32,14 @@ pub(super) fn branches(
             body.iter().try_for_each(|e| action(cx, e, scope, &mut actions))
         });
         done?;
+        let own = WhenBranch::assigned(&actions);
+        let first = left_sides.get_or_insert_with(|| own.clone());
+        let mut others = first.symmetric_difference(&own);
+        if let Some((id, _)) = others.find_map(|v| cx.instance_of.get(v.0 as usize).copied()) {
+            let name = cx.path(id);
+            cx.report(FlattenCause::OtherLeftSides { name }, condition.span);
+            return None;
+        }
         add_asserts(asserts, &mut actions);
         actions.extend(cx.leave_branch().map(|(v, e)| Action::Assign(v, e)));
         out.push(WhenBranch { conditions, actions });

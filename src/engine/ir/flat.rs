@@ -7,6 +7,7 @@
 //! *Never holds:* arrays, records, `connect`, `for`, classes, modifications.
 //! *Made by:* `flatten`. *Read by:* `lower`, and printed as flat Modelica by `flatten::print`.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::expr::{ExprId, FunctionId, Graph, Type, VarId};
@@ -261,6 +262,17 @@ pub struct WhenBranch {
     pub conditions: Vec<ExprId>,
     /// The actions, in order.
     pub actions: Vec<Action>,
+}
+
+impl WhenBranch {
+    /// The variables that actions assign.
+    pub fn assigned(actions: &[Action]) -> BTreeSet<VarId> {
+        let variable = |action: &Action| match action {
+            Action::Assign(v, _) => Some(*v),
+            _ => None,
+        };
+        actions.iter().filter_map(variable).collect()
+    }
 }
 
 /// An action of a when-clause.

@@ -10,7 +10,7 @@ use crate::base::index::{FastMap, FastSet};
 
 /// Runs whose instances are kept if nobody says that they have ended; those of the oldest are ended.
 const MOST_RUNS: usize = 64;
-/// States above which those of runs that have ended are forgotten.
+/// States above which those of runs that have ended are forgotten, and twice those that were left when that was done last.
 const MOST_STATES: usize = 200_000;
 /// Numbers in the newer half of the values that are kept.
 const MOST_NUMBERS: usize = 1_000_000;
@@ -49,6 +49,9 @@ pub struct Chains<L> {
     states: FastMap<u64, State>,
     known: FastMap<(u64, Message), u64>,
     last: u64,
+    /// The states that were left when some were forgotten last. The begins of runs are never forgotten: where they alone
+    /// are many, to look through all after each run would cost a time that grows with the square of the runs.
+    left: usize,
     runs: VecDeque<ThreadRun<L>>,
     /// Begins of runs that have ended, the oldest first.
     ended: VecDeque<u64>,
@@ -158,7 +161,7 @@ impl<L: Default> Chains<L> {
         if !self.ended.contains(&begin) && !self.runs.iter().any(|run| run.begin == begin) {
             self.ended.push_back(begin);
         }
-        if self.states.len() > MOST_STATES {
+        if self.states.len() > MOST_STATES.max(2 * self.left) {
             self.ended.drain(..self.ended.len().div_ceil(2));
             self.forget();
         }
@@ -173,6 +176,7 @@ impl<L: Default> Chains<L> {
         let states = &self.states;
         self.known.retain(|_, state| states.contains_key(&*state));
         self.values.retain(|state| states.contains_key(&state));
+        self.left = self.states.len();
     }
 
     /// The messages from one of two states, the nearer one, to a state; and whether it is the first of them.

@@ -64,3 +64,40 @@ algorithm
     reinit(level, 0);
   end when;
 end Tank;
+
+//@ case branches_with_other_left_sides
+model Counters
+  discrete Real a(start = 0, fixed = true);
+  discrete Real b(start = 0, fixed = true);
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = 1;
+  when x > 0.2 then
+    a = 1;
+  //@ error[MO0257] 12-18
+  elsewhen x > 0.4 then
+    b = 1;
+  end when;
+end Counters;
+
+//@ case branches_with_equal_left_sides
+//@ run stop=1
+// `reinit` and `assert` are not equations of a variable, and the order does not matter.
+model Counters
+  discrete Real a(start = 0, fixed = true);
+  discrete Real b(start = 0, fixed = true);
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = 1;
+  when x > 0.2 then
+    a = 1;
+    b = pre(b);
+  elsewhen x > 0.9 then
+    b = 2;
+    a = pre(a) + 1;
+    reinit(x, 0);
+    assert(time < 2, "late");
+  end when;
+end Counters;
+//@ expect a = 2 abs 0
+//@ expect b = 2 abs 0

@@ -1,5 +1,7 @@
 //! Prints equations, when-clauses and their actions.
 
+use std::collections::BTreeSet;
+
 use super::{ModelPrinter, WITH_DERIVATIVE};
 use crate::ir::expr::{ExprId, Node, VarId};
 use crate::ir::flat::{Action, Assert, AssertionLevel, Equation, EquationKind, WhenBranch};
@@ -67,7 +69,11 @@ impl ModelPrinter<'_> {
         self.expression(e);
     }
 
+    /// A when-equation. In the branches of one, each variable has an equation, while those of a when-statement may leave
+    /// variables as they are (Modelica 3.6, section 8.3.5.2).
     fn when(&mut self, branches: &[WhenBranch]) {
+        let of_all: BTreeSet<VarId> =
+            branches.iter().flat_map(|b| WhenBranch::assigned(&b.actions)).collect();
         for (k, branch) in branches.iter().enumerate() {
             self.out.push_str(if k == 0 { "  when " } else { "  elsewhen " });
             let several = branch.conditions.len() != 1;
@@ -81,6 +87,13 @@ impl ModelPrinter<'_> {
                 self.out.push_str("    ");
                 self.action(a);
                 self.out.push_str(";\n");
+            }
+            for v in of_all.difference(&WhenBranch::assigned(&branch.actions)) {
+                self.out.push_str("    ");
+                self.name(*v);
+                self.out.push_str(" = pre(");
+                self.name(*v);
+                self.out.push_str(");\n");
             }
         }
         self.out.push_str("  end when;\n");
