@@ -10,7 +10,8 @@ use crate::base::index::{FastMap, FastSet};
 
 /// Runs whose instances are kept if nobody says that they have ended; those of the oldest are ended.
 const MOST_RUNS: usize = 64;
-/// States above which those of runs that have ended are forgotten, and twice those that were left when that was done last.
+/// States above which those of runs that have ended are forgotten, if they are also twice as many as were left the last
+/// time.
 const MOST_STATES: usize = 200_000;
 /// Numbers in the newer half of the values that are kept.
 const MOST_NUMBERS: usize = 1_000_000;
