@@ -65,6 +65,7 @@ pub fn amended(study: &Study, diagnosis: &Diagnosis, original: &str) -> Option<A
         measured: measured.as_deref(),
         values: &values,
         readings: &readings,
+        followers: &[],
     };
     let added = extension.source(&attached);
     let source = format!("{}\n\n// Found by mocc diagnose:\n{added}", original.trim_end());

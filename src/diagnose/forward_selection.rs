@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::candidate_fit::CandidateFits;
+use super::following;
 use super::formula_fit::{allowance, formula_instead, has_formulas};
 use super::held_amplitude::with_held_amplitudes;
 use super::hypothesis::Hypothesis;
@@ -37,13 +38,20 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
         let mut left = ranking;
         let mut accepted = false;
         // Where the first proposals describe the fitted recordings alone, the next ones are tried.
-        for _ in 0..BATCHES_OF_PROPOSALS {
+        for batch in 0..BATCHES_OF_PROPOSALS {
             let mut proposals = promising(search, &diagnosis.after, &left);
             proposals.retain(|p| p.iter().all(|s| s.gain > notable));
-            let from = &diagnosis.after;
+            let (from, first_batch) = (&diagnosis.after, batch == 0);
             let mut hypotheses = decisive_fits(search, from, &proposals, depth);
-            let is_decided = hypotheses.first().is_some_and(|h| decides(search, h));
-            if !is_decided {
+            let mut is_decided = hypotheses.first().is_some_and(|h| decides(search, h));
+            if !is_decided && from.effects.is_empty() && first_batch {
+                hypotheses.extend(following_fits(search, from, depth));
+                sort_by_preference(search, from, &mut hypotheses, Hypothesis::total_criterion);
+                is_decided = hypotheses.first().is_some_and(|h| decides(search, h));
+            }
+            // From afar, preliminary fits find no more than what leads already.
+            let leads = hypotheses.iter().any(|h| search.leads(from, h));
+            if !is_decided && !leads {
                 let is_supported = |s: &&Scored| s.bic_gain(from) > policy.evidence;
                 let others = left.iter().filter(is_supported).map(|s| vec![s.clone()]);
                 proposals = with_preliminary_fits(search, from, proposals, others);
@@ -127,6 +135,19 @@ fn decisive_fits(
         true => CandidateFits::new(search, from, proposals, depth).run(),
         false => Vec::new(),
     }
+}
+
+/// Fits of the proposals of runs that follow the recordings.
+fn following_fits(search: &Search<'_>, from: &Hypothesis, depth: usize) -> Vec<Hypothesis> {
+    let mut out: Vec<Hypothesis> = Vec::new();
+    for (proposal, plan) in following::proposals(search, from) {
+        let from = Hypothesis { plan, ..from.clone() };
+        out.extend(CandidateFits::new(search, &from, &[proposal], depth).run());
+        if out.last().is_some_and(|h| decides(search, h)) {
+            break;
+        }
+    }
+    out
 }
 
 /// True for a law that leaves nothing to explain.
@@ -243,7 +264,10 @@ fn with_simpler_formula(
     let [first @ .., last] = best.effects.as_slice() else { return };
     let is_alone = first.len() == from.effects.len();
     let is_many = last.fitted.len() >= MANY_PARAMETERS && !has_formulas(study, last.effect);
-    if !is_alone || !is_many || !best.is_resolved(search.policy()) || !search.may_continue() {
+    // What is promised from afar says nothing.
+    let is_far = from.chi2_train() > search.policy().follow_above;
+    let is_open = is_alone && is_many && !is_far && best.is_resolved(search.policy());
+    if !is_open || !search.may_continue() {
         return;
     }
     let own = ranking.iter().find(|s| s.effect == last.effect && s.place == last.place);

@@ -24,6 +24,8 @@ pub mod effective_evidence;
 pub mod equation_terms;
 pub mod finer_curve;
 pub mod fixed_value;
+pub mod follower;
+pub mod following;
 pub mod formula;
 pub mod formula_fit;
 pub mod forward_selection;

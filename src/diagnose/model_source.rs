@@ -5,6 +5,7 @@ use crate::calibrate::plan::RECORDING_NUMBER;
 
 use super::adapter::Adapters;
 use super::catalogue::Effect;
+use super::follower::Follower;
 use super::hypothesis::full_name;
 use super::place::Place;
 use super::terminal_reading::TerminalReading;
@@ -107,6 +108,8 @@ pub struct Extension<'a> {
     pub values: &'a [ParameterValue],
     /// What sensors read at the terminals of components.
     pub readings: &'a [TerminalReading],
+    /// The parts that pull the model to recordings.
+    pub followers: &'a [Follower],
 }
 
 impl Extension<'_> {
@@ -142,6 +145,7 @@ impl Extension<'_> {
         classes.into_iter().for_each(|class| out.push_str(class));
         components.into_iter().for_each(|a| a.declare(&mut out));
         self.readings.iter().for_each(|r| out.push_str(&r.declaration(attached)));
+        self.followers.iter().for_each(|f| f.declare(&mut out));
         out.push_str(&self.connections(attached));
         let entries = [
             variations(attached),
@@ -170,6 +174,7 @@ impl Extension<'_> {
                 connections.push_str(&format!("  connect({}.{own}, {other});\n", a.name));
             }
         }
+        self.followers.iter().for_each(|f| connections.push_str(&f.connection()));
         let mut out = String::new();
         adapters.declare(self.base, &mut out);
         if !connections.is_empty() {

@@ -175,7 +175,7 @@ const PREFERRED_VARIATIONS: usize = 2;
 const HALVING: usize = 4;
 
 /// Preliminary fits of candidates.
-struct PreliminaryFits<'a> {
+pub struct PreliminaryFits<'a> {
     study: &'a Study,
     from: &'a Hypothesis,
     fits: Vec<PreliminaryFit>,
@@ -191,7 +191,8 @@ struct PreliminaryFit {
 }
 
 impl<'a> PreliminaryFits<'a> {
-    fn new(search: &Search<'a>, from: &'a Hypothesis, candidates: &[Vec<Scored>]) -> Self {
+    /// Those of candidates beside the effects of a hypothesis, before any steps.
+    pub fn new(search: &Search<'a>, from: &'a Hypothesis, candidates: &[Vec<Scored>]) -> Self {
         search.note(&format!("preliminary fits of {} candidates", candidates.len()));
         let study = search.study;
         let fits = CandidateFits::new(search, from, &[], 0);
@@ -205,12 +206,42 @@ impl<'a> PreliminaryFits<'a> {
     }
 
     /// Shares of the sum of squares that they leave.
-    fn shares_left(&self) -> Vec<f64> {
+    pub fn shares_left(&self) -> Vec<f64> {
         self.fits.iter().map(|f| f.left).collect()
     }
 
+    /// A candidate with the values that its fit has reached, and the plan with those of the model's parameters.
+    pub fn reached(&self, k: usize, candidate: &[Scored]) -> Option<(Vec<Scored>, Plan)> {
+        let fit = &self.fits[k];
+        let plan = fit.starts.first()?;
+        let value = |chosen: &ChosenEffect, own: &str| {
+            let full = chosen.full_name(own);
+            plan.free.iter().find(|f| f.targets.contains(&full))?.start
+        };
+        let mut new = fit.effects[self.from.effects.len()..].iter();
+        let with_values = |scored: &Scored| {
+            let mut scored = scored.clone();
+            let effect = &self.study.effects[scored.effect];
+            let members: Vec<&ChosenEffect> =
+                new.by_ref().take(scored.place.members().len()).collect();
+            let of = |chosen: &&ChosenEffect| {
+                let all = effect.amplitudes.iter();
+                all.map(|a| value(chosen, &a.name)).collect::<Vec<_>>()
+            };
+            let reached: Vec<Option<f64>> = members.iter().flat_map(of).collect();
+            for (own, reached) in scored.amplitudes.iter_mut().zip(reached) {
+                *own = reached.unwrap_or(*own);
+            }
+            for (parameter, own) in &mut scored.shape {
+                *own = members.first().and_then(|c| value(c, parameter)).unwrap_or(*own);
+            }
+            scored
+        };
+        Some((candidate.iter().map(with_values).collect(), plan.clone()))
+    }
+
     /// A few steps of the best of each kind, one of `among`.
-    fn advance(&mut self, search: &Search<'_>, kinds: &[Range<usize>], among: usize) {
+    pub fn advance(&mut self, search: &Search<'_>, kinds: &[Range<usize>], among: usize) {
         let left = self.shares_left();
         let best = |kind: &Range<usize>| {
             let mut order: Vec<usize> = kind.clone().collect();

@@ -105,6 +105,15 @@ pub fn rank(search: &Search<'_>, hypothesis: &Hypothesis) -> Vec<Scored> {
     rank_those(search, hypothesis, None, &|k, _| !is_done || !effects[k].has_states)
 }
 
+/// Scores laws and free curves, but no parameters that vary or have other values.
+pub fn rank_laws(search: &Search<'_>, hypothesis: &Hypothesis) -> Vec<Scored> {
+    let effects = &search.study.effects;
+    let is_law = |k: usize| !effects[k].is_variation() && !effects[k].is_other_value();
+    // What pulls the model to the recordings lacks nothing.
+    let is_recorded = |at: &String| search.study.followers.iter().any(|f| f.input() == *at);
+    rank_those(search, hypothesis, None, &|k, place| is_law(k) && !place.at.iter().any(is_recorded))
+}
+
 /// Scores effects in place of those of a hypothesis: if that leaves little, its trajectories are close to the
 /// true ones, and so are the derivatives. `replaced` is the hypothesis without effects.
 pub fn rank_instead(

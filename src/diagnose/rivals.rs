@@ -137,7 +137,9 @@ pub fn sensors(study: &Study, diagnosis: &Diagnosis) -> Vec<Sensor> {
     let Some(recording) = longest.filter(|_| !rivals.is_empty()) else { return Vec::new() };
     let is_open = |name: &&String| !study.is_measured(name);
     let names: Vec<String> = study.variables.iter().filter(is_open).cloned().collect();
-    let Some(own) = courses(study, &diagnosis.after, recording, &names) else { return Vec::new() };
+    let Some(own) = trajectories(study, &diagnosis.after, recording, &names) else {
+        return Vec::new();
+    };
     let mut found: Vec<Sensor> = own
         .iter()
         .map(|(variable, unit, _)| {
@@ -146,7 +148,7 @@ pub fn sensors(study: &Study, diagnosis: &Diagnosis) -> Vec<Sensor> {
         })
         .collect();
     for rival in rivals {
-        let Some(other) = courses(study, rival, recording, &names) else { continue };
+        let Some(other) = trajectories(study, rival, recording, &names) else { continue };
         for (sensor, (name, _, course)) in found.iter_mut().zip(&own) {
             let Some((.., of_rival)) = other.iter().find(|(n, ..)| n == name) else { continue };
             let difference =
@@ -178,7 +180,7 @@ pub fn sensors(study: &Study, diagnosis: &Diagnosis) -> Vec<Sensor> {
 }
 
 /// The recorded variables of a hypothesis under the conditions of a recording: name, unit and values.
-fn courses(
+pub fn trajectories(
     study: &Study,
     hypothesis: &Hypothesis,
     recording: &Recording,

@@ -16,6 +16,7 @@ use super::difference::as_difference;
 use super::equation_terms::EquationTerms;
 use super::finer_curve::finer_curves;
 use super::fixed_value::{self, FixedValue, fixed_starts, fixed_values};
+use super::follower::{Follower, MeasuredPotential, measured_potentials};
 use super::formula::formulas;
 use super::inner_signals::inner_signals;
 use super::law_choice::choices;
@@ -73,6 +74,10 @@ pub struct Study {
     /// The sensors that read the flow at a connector which an effect may change, in place of the variables that the plan
     /// names.
     pub readings: Vec<TerminalReading>,
+    /// The measured signals that are potentials at connectors.
+    pub measured_potentials: Vec<MeasuredPotential>,
+    /// The parts that pull the model to them.
+    pub followers: Vec<Follower>,
     /// Number of states of the model.
     pub states: usize,
     /// Those with a rate that is a variable of its own: what may be an angle where nothing has a unit.
@@ -120,6 +125,8 @@ impl Study {
             inner_signals: inner_signals(flat, &plan),
             variations,
             readings: terminal_readings(flat, &plan, &inventory),
+            measured_potentials: measured_potentials(flat, &plan, &inventory),
+            followers: Vec::new(),
             fixed_values: fixed_values(flat, &plan),
             fixed_starts: fixed_starts(flat, &plan),
             units: units.into_iter().collect(),
@@ -296,10 +303,12 @@ impl Study {
         let mut session = Session { parameters_vary: true, ..Session::default() };
         let mut request = self.request.clone();
         request.differentiated = plan.targets();
-        let is_extended = !attached.is_empty() || !self.readings.is_empty();
+        let is_extended =
+            !attached.is_empty() || !self.readings.is_empty() || !self.followers.is_empty();
         if is_extended {
-            let (name, base, readings) = (TRIAL_MODEL, &self.base, &self.readings);
-            let trial = Extension { name, base, readings, ..Extension::default() };
+            let (name, base) = (TRIAL_MODEL, self.base.as_str());
+            let (readings, followers) = (&self.readings, &self.followers);
+            let trial = Extension { name, base, readings, followers, ..Extension::default() };
             request.appended = Some(trial.source(attached));
             request.model = Some(TRIAL_MODEL.to_owned());
         }
