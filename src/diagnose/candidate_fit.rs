@@ -66,8 +66,23 @@ impl<'a> CandidateFits<'a> {
 
     /// The hypothesis extended by each of the proposals, best first.
     pub fn run(&self) -> Vec<Hypothesis> {
+        self.completed(self.first_fits())
+    }
+
+    /// The same where the first fits explain at least this share of the excess; else these alone.
+    pub fn run_if_explained(&self, share: f64) -> Vec<Hypothesis> {
+        let first = self.first_fits();
+        let excess = |h: &Hypothesis| h.chi2_train() - 1.0;
+        let most = (1.0 - share) * excess(self.from);
+        match first.iter().any(|h| excess(h) < most) {
+            true => self.completed(first),
+            false => first,
+        }
+    }
+
+    /// The best of first fits, continued to convergence and from other starts.
+    fn completed(&self, mut hypotheses: Vec<Hypothesis>) -> Vec<Hypothesis> {
         let (search, from) = (self.search, self.from);
-        let mut hypotheses = self.first_fits();
         // Recordings that were never fitted count as much as the fitted ones.
         let criterion = Hypothesis::total_criterion;
         sort_by_preference(search, from, &mut hypotheses, criterion);

@@ -212,3 +212,62 @@ pub fn courses(
 ) -> Option<Vec<Arc<TimeSeries>>> {
     followers.iter().map(|f| f.course(plan, recording).map(Arc::new)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::data::Split;
+    use crate::flatten::inventory::ConnectorVariable;
+
+    /// The means of the parts of a straight line are on that line, gaps are left out, and there are no more knots than wanted.
+    #[test]
+    fn a_thinned_line_is_the_line() {
+        let time: Vec<f64> = (0..2000).map(|k| f64::from(k) * 1e-3).collect();
+        let row = |t: &f64| if (0.5..0.6).contains(t) { f64::NAN } else { 1e3 * (2.0 + 3.0 * t) };
+        let recording = Recording {
+            of: String::new(),
+            name: String::new(),
+            path: std::path::PathBuf::new(),
+            split: Split::Train,
+            conditions: Vec::new(),
+            starts: Vec::new(),
+            courses: Vec::new(),
+            start: None,
+            signals: vec![time.iter().map(row).collect()],
+            time: time.into(),
+        };
+        let line = thinned(&recording, 0, |x| 1e-3 * x).expect("values");
+        for t in [0.1, 0.55, 1.234, 1.9] {
+            assert!((line.value(t, 0) - (2.0 + 3.0 * t)).abs() < 1e-9, "{}", line.value(t, 0));
+            assert!((line.value(t, 1) - 3.0).abs() < 1e-6);
+        }
+        assert!(line.spacing() >= 2.0 / KNOTS as f64 - 1e-9);
+    }
+
+    /// A flow as large as the largest one deviates by the share of the range; a position is damped as well.
+    #[test]
+    fn a_follower_is_a_conductance() {
+        let variable =
+            |name: &str, unit: &str| ConnectorVariable { name: name.into(), unit: unit.into() };
+        let measured = |has_named_rate| MeasuredPotential {
+            signal: 2,
+            ends: vec!["mass.flange".to_owned()],
+            class: "Translational.Flange".to_owned(),
+            pair: PotentialFlow { potential: variable("s", "m"), flow: variable("f", "N") },
+            has_named_rate,
+        };
+        let source = |has_named_rate| {
+            let mut out = String::new();
+            let follower =
+                Follower::new(&measured(has_named_rate), "mass.flange", 100.0, 0.01, 1e-4);
+            follower.declare(&mut out);
+            out + &follower.connection()
+        };
+        let plain = source(false);
+        assert!(plain.contains("to.f = 5e4*(to.s - recorded);"), "{plain}");
+        assert!(plain.contains("connect(follower_3.to, mass.flange);"), "{plain}");
+        let damped = source(true);
+        let rate = "+ 1.5e-4*(der(to.s) - der(recorded))";
+        assert!(damped.contains(rate), "{damped}");
+    }
+}

@@ -44,13 +44,16 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
             let (from, first_batch) = (&diagnosis.after, batch == 0);
             let mut hypotheses = decisive_fits(search, from, &proposals, depth);
             let mut is_decided = hypotheses.first().is_some_and(|h| decides(search, h));
+            let (mut is_followed, mut leads) = (false, false);
             if !is_decided && from.effects.is_empty() && first_batch {
-                hypotheses.extend(following_fits(search, from, depth));
+                let followed = following_fits(search, from, depth);
+                leads = followed.iter().any(|h| search.leads(from, h));
+                is_followed = followed.iter().any(|h| decides(search, h));
+                hypotheses.extend(followed);
                 sort_by_preference(search, from, &mut hypotheses, Hypothesis::total_criterion);
                 is_decided = hypotheses.first().is_some_and(|h| decides(search, h));
             }
-            // From afar, preliminary fits find no more than what leads already.
-            let leads = hypotheses.iter().any(|h| search.leads(from, h));
+            // Preliminary fits find no more from afar than what leads already.
             if !is_decided && !leads {
                 let is_supported = |s: &&Scored| s.bic_gain(from) > policy.evidence;
                 let others = left.iter().filter(is_supported).map(|s| vec![s.clone()]);
@@ -86,7 +89,10 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
             if let Some(ranking) = diagnosis.rankings.last() {
                 with_formulas(search, from, ranking, depth, &mut hypotheses);
                 with_formulas_of_curves(search, from, &mut hypotheses);
-                with_simpler_formula(search, from, ranking, depth, &mut hypotheses);
+                // What free runs promise from afar says nothing beside what following runs have found.
+                if !is_followed {
+                    with_simpler_formula(search, from, ranking, depth, &mut hypotheses);
+                }
             }
             let supported = |h: &Hypothesis| {
                 let is_notable = h.train.total() < total - notable;
@@ -137,12 +143,17 @@ fn decisive_fits(
     }
 }
 
+/// Share of the excess that a law found in runs that follow the recordings explains in free runs, unless it is another one.
+const FOLLOWED_SHARE: f64 = 0.9;
+
 /// Fits of the proposals of runs that follow the recordings.
 fn following_fits(search: &Search<'_>, from: &Hypothesis, depth: usize) -> Vec<Hypothesis> {
     let mut out: Vec<Hypothesis> = Vec::new();
     for (proposal, plan) in following::proposals(search, from) {
         let from = Hypothesis { plan, ..from.clone() };
-        out.extend(CandidateFits::new(search, &from, &[proposal], depth).run());
+        let proposals = [proposal];
+        let fits = CandidateFits::new(search, &from, &proposals, depth);
+        out.extend(fits.run_if_explained(FOLLOWED_SHARE));
         if out.last().is_some_and(|h| decides(search, h)) {
             break;
         }
@@ -264,10 +275,7 @@ fn with_simpler_formula(
     let [first @ .., last] = best.effects.as_slice() else { return };
     let is_alone = first.len() == from.effects.len();
     let is_many = last.fitted.len() >= MANY_PARAMETERS && !has_formulas(study, last.effect);
-    // What is promised from afar says nothing.
-    let is_far = from.chi2_train() > search.policy().follow_above;
-    let is_open = is_alone && is_many && !is_far && best.is_resolved(search.policy());
-    if !is_open || !search.may_continue() {
+    if !is_alone || !is_many || !best.is_resolved(search.policy()) || !search.may_continue() {
         return;
     }
     let own = ranking.iter().find(|s| s.effect == last.effect && s.place == last.place);

@@ -147,7 +147,8 @@ pub struct SearchPolicy {
     /// Reduced sum without effects above which preliminary and short fits begin at the plan's values as well: a large effect
     /// has dragged the calibrated ones far away. Default 5.
     pub large_effect_above: f64,
-    /// Reduced sum without effects above which candidates are looked at in runs that follow the recordings. Default 30.
+    /// Reduced sum without effects above which candidates are looked at in runs that follow the recordings. Default 200: they
+    /// cost ten seconds, and below, free runs nearly always find the cause.
     pub follow_above: f64,
     /// A short fit from another start is given up if its sum of squares exceeds the best one by this factor.
     /// Default 2.
@@ -287,7 +288,7 @@ impl Default for SearchPolicy {
             leading_share: 0.98,
             leading_excess: 0.3,
             trailing_factor: 4.0,
-            follow_above: 30.0,
+            follow_above: 200.0,
             large_effect_above: 5.0,
             hopeless_factor: 2.0,
             local_minimum_above: 0.1,
