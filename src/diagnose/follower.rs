@@ -259,7 +259,7 @@ mod tests {
         let source = |has_named_rate| {
             let mut out = String::new();
             let follower =
-                Follower::new(&measured(has_named_rate), "mass.flange", 100.0, 0.01, 1e-4);
+                Follower::new(&measured(has_named_rate), "mass.flange", 100.0, 0.01, 1.0);
             follower.declare(&mut out);
             out + &follower.connection()
         };
@@ -267,7 +267,7 @@ mod tests {
         assert!(plain.contains("to.f = 5e4*(to.s - recorded);"), "{plain}");
         assert!(plain.contains("connect(follower_3.to, mass.flange);"), "{plain}");
         let damped = source(true);
-        let rate = "+ 1.5e-4*(der(to.s) - der(recorded))";
+        let rate = "+ 1.5e0*(der(to.s) - der(recorded))";
         assert!(damped.contains(rate), "{damped}");
     }
 }

@@ -60,10 +60,11 @@ pub fn proposals(search: &Search<'_>, from: &Hypothesis) -> Vec<Proposal> {
     let ranking = rank_laws(&own, &calibrated);
     let candidates = candidates(&own, &calibrated, ranking);
     let mut fits = PreliminaryFits::new(&own, &calibrated, &candidates);
-    fits.advance(&own, &[0..candidates.len()], 1);
+    let all = 0..candidates.len();
+    fits.advance(&own, std::slice::from_ref(&all), 1);
     let left = fits.shares_left();
     let by_share = |is_wanted: &dyn Fn(usize) -> bool| {
-        let mut order: Vec<usize> = (0..candidates.len()).filter(|k| is_wanted(*k)).collect();
+        let mut order: Vec<usize> = all.clone().filter(|k| is_wanted(*k)).collect();
         order.retain(|k| left[*k] < policy.most_share);
         order.sort_by(|a, b| left[*a].total_cmp(&left[*b]));
         order

@@ -110,8 +110,10 @@ pub fn rank_laws(search: &Search<'_>, hypothesis: &Hypothesis) -> Vec<Scored> {
     let effects = &search.study.effects;
     let is_law = |k: usize| !effects[k].is_variation() && !effects[k].is_other_value();
     // What pulls the model to the recordings lacks nothing.
-    let is_recorded = |at: &String| search.study.followers.iter().any(|f| f.input() == *at);
-    rank_those(search, hypothesis, None, &|k, place| is_law(k) && !place.at.iter().any(is_recorded))
+    let is_recorded = |name: &String| search.study.followers.iter().any(|f| f.input() == *name);
+    let reads_recording =
+        |p: &Place| p.at.iter().any(is_recorded) || p.binds.iter().any(|(_, v)| is_recorded(v));
+    rank_those(search, hypothesis, None, &|k, place| is_law(k) && !reads_recording(place))
 }
 
 /// Scores effects in place of those of a hypothesis: if that leaves little, its trajectories are close to the
