@@ -12,12 +12,13 @@ use std::sync::Arc;
 use crate::base::index::FastSet;
 use crate::base::source::Span;
 use crate::calibrate::data::Recording;
-use crate::calibrate::plan::{DrivenInput, Plan};
+use crate::calibrate::plan::{DrivenInput, Plan, Signal};
 use crate::flatten::inventory::{Inventory, PotentialFlow};
-use crate::ir::expr::{Node, VarId};
-use crate::ir::flat::{EquationKind, FlatModel};
+use crate::ir::expr::VarId;
+use crate::ir::flat::FlatModel;
 use crate::numeric::time_series::{Interpolation, TimeSeries};
 
+use super::equal_variables::EqualVariables;
 use super::variation::states_with_named_rates;
 
 /// A measured potential at connectors.
@@ -48,10 +49,11 @@ pub fn measured_potentials(
     plan: &Plan,
     inventory: &Inventory,
 ) -> Vec<MeasuredPotential> {
+    let equal_variables = EqualVariables::new(flat);
     let moving: FastSet<VarId> = states_with_named_rates(flat).into_iter().collect();
-    let of_signal = |(signal, s): (usize, &crate::calibrate::plan::Signal)| {
+    let of_signal = |(signal, s): (usize, &Signal)| {
         let (v, _) = flat.variables.enumerate().find(|(_, x)| x.name == s.variable)?;
-        let equal = equal_variables(flat, v);
+        let equal = equal_variables.of([v]);
         let names: FastSet<&str> = equal.iter().map(|v| flat.variables[*v].name.as_str()).collect();
         let mut ends = Vec::new();
         let mut first = None;
@@ -59,8 +61,13 @@ pub fn measured_potentials(
             for connector in &part.connectors {
                 let Some(pair) = &connector.pair else { continue };
                 let end = format!("{}.{}", part.name, connector.name);
-                if names.contains(format!("{end}.{}", pair.potential.name).as_str()) {
+                if !names.contains(format!("{end}.{}", pair.potential.name).as_str()) {
+                    continue;
+                }
+                // A component may say that the potentials of connectors of different kinds are equal.
+                let (_, known) =
                     first.get_or_insert_with(|| (connector.class.clone(), pair.clone()));
+                if known == pair {
                     ends.push(end);
                 }
             }
@@ -70,33 +77,6 @@ pub fn measured_potentials(
         Some(MeasuredPotential { signal, ends, class, pair, has_named_rate })
     };
     plan.signals.iter().enumerate().filter_map(of_signal).collect()
-}
-
-/// The variables that equations and bindings set equal to one, itself among them.
-fn equal_variables(flat: &FlatModel, v: VarId) -> FastSet<VarId> {
-    let variable = |e| match flat.graph.node(e) {
-        Node::Var(v) => Some(v),
-        _ => None,
-    };
-    let of_equations = flat.equations.iter().filter_map(|e| match e.kind {
-        EquationKind::Equal(a, b) => Some((variable(a)?, variable(b)?)),
-        _ => None,
-    });
-    let of_bindings =
-        flat.variables.enumerate().filter_map(|(v, x)| Some((v, variable(x.binding?)?)));
-    let pairs: Vec<(VarId, VarId)> = of_equations.chain(of_bindings).collect();
-    let mut equal: FastSet<VarId> = std::iter::once(v).collect();
-    loop {
-        let known = equal.len();
-        for (a, b) in &pairs {
-            if equal.contains(a) || equal.contains(b) {
-                equal.extend([*a, *b]);
-            }
-        }
-        if equal.len() == known {
-            return equal;
-        }
-    }
 }
 
 /// A part of a trial model that pulls it to a recorded signal.
@@ -142,7 +122,7 @@ impl Follower {
 
     /// The input of the trial model.
     pub fn input(&self) -> String {
-        format!("recorded_{}", self.signal + 1)
+        format!("trial_recorded_{}", self.signal + 1)
     }
 
     /// The input as an entry of a plan.
@@ -174,15 +154,15 @@ impl Follower {
         let (g, t) = (self.conductance, self.damping);
         let damped = if t > 0.0 { format!(" + {t:e}*({rate})") } else { String::new() };
         out.push_str(&format!(
-            "  input Real {input};\n  model Follower_{k}\n    {class} to;\n    input Real recorded;\n  \
-             equation\n    to.{flow} = {g:e}*({deviation}{damped});\n  end Follower_{k};\n  \
-             Follower_{k} follower_{k}(recorded = {input});\n"
+            "  input Real {input};\n  model TrialFollower_{k}\n    {class} to;\n    input Real recorded;\n  \
+             equation\n    to.{flow} = {g:e}*({deviation}{damped});\n  end TrialFollower_{k};\n  \
+             TrialFollower_{k} trial_follower_{k}(recorded = {input});\n"
         ));
     }
 
     /// Its connection.
     pub fn connection(&self) -> String {
-        format!("  connect(follower_{}.to, {});\n", self.signal + 1, self.end)
+        format!("  connect(trial_follower_{}.to, {});\n", self.signal + 1, self.end)
     }
 }
 
@@ -265,7 +245,7 @@ mod tests {
         };
         let plain = source(false);
         assert!(plain.contains("to.f = 5e4*(to.s - recorded);"), "{plain}");
-        assert!(plain.contains("connect(follower_3.to, mass.flange);"), "{plain}");
+        assert!(plain.contains("connect(trial_follower_3.to, mass.flange);"), "{plain}");
         let damped = source(true);
         let rate = "+ 1.5e0*(der(to.s) - der(recorded))";
         assert!(damped.contains(rate), "{damped}");

@@ -38,12 +38,13 @@ pub fn proposals(search: &Search<'_>, from: &Hypothesis) -> Vec<Proposal> {
         return Vec::new();
     }
     let Some(study) = following(search.study, from) else { return Vec::new() };
-    let own = search.of(&study);
+    let own = search.in_form(&study);
     let policy = &study.policy;
     let calibrated = |plan: Plan| {
         let fitted = Hypothesis::fitted(&study, Vec::new(), plan, &mut |p| {
             p.trimmed = p.surplus(policy.preselection_instants);
-            let found = fit::search(p, &p.start(), &policy.preliminary_fit, &mut |_, _| true);
+            let found =
+                fit::search(p, &p.start(), &policy.preliminary_fit, &mut |_, _| search.on_step());
             p.trimmed = Vec::new();
             found
         });
@@ -54,7 +55,7 @@ pub fn proposals(search: &Search<'_>, from: &Hypothesis) -> Vec<Proposal> {
     let Some(calibrated) = found else { return Vec::new() };
     let chi2 = calibrated.chi2_train();
     own.note(&format!("following the recordings: reduced chi-square {chi2:.4}"));
-    if chi2 < policy.resolved_validation {
+    if chi2 < policy.resolved_validation || !search.may_continue() {
         return Vec::new();
     }
     let ranking = rank_laws(&own, &calibrated);
@@ -83,7 +84,6 @@ pub fn proposals(search: &Search<'_>, from: &Hypothesis) -> Vec<Proposal> {
         fits.reached(k, &candidates[k])
     };
     let found: Vec<Proposal> = order.into_iter().filter_map(proposal).collect();
-    search.count(&own);
     let with_starts = |(proposal, reached): Proposal| {
         let mut plan = from.plan.clone();
         for free in &mut plan.free {

@@ -41,19 +41,20 @@ pub fn forward_selection(search: &Search<'_>, diagnosis: &mut Diagnosis, depths:
         for batch in 0..BATCHES_OF_PROPOSALS {
             let mut proposals = promising(search, &diagnosis.after, &left);
             proposals.retain(|p| p.iter().all(|s| s.gain > notable));
-            let (from, first_batch) = (&diagnosis.after, batch == 0);
+            let from = &diagnosis.after;
             let mut hypotheses = decisive_fits(search, from, &proposals, depth);
-            let mut is_decided = hypotheses.first().is_some_and(|h| decides(search, h));
-            let (mut is_followed, mut leads) = (false, false);
-            if !is_decided && from.effects.is_empty() && first_batch {
-                let followed = following_fits(search, from, depth);
-                leads = followed.iter().any(|h| search.leads(from, h));
-                is_followed = followed.iter().any(|h| decides(search, h));
+            let decide = |all: &[Hypothesis]| all.first().is_some_and(|h| decides(search, h));
+            let may_follow = batch == 0 && from.effects.is_empty() && !decide(&hypotheses);
+            let followed =
+                if may_follow { following_fits(search, from, depth) } else { Vec::new() };
+            let is_followed = followed.iter().any(|h| decides(search, h));
+            // Preliminary fits find no more from afar than what leads already.
+            let leads = followed.iter().any(|h| search.leads(from, h));
+            if !followed.is_empty() {
                 hypotheses.extend(followed);
                 sort_by_preference(search, from, &mut hypotheses, Hypothesis::total_criterion);
-                is_decided = hypotheses.first().is_some_and(|h| decides(search, h));
             }
-            // Preliminary fits find no more from afar than what leads already.
+            let is_decided = decide(&hypotheses);
             if !is_decided && !leads {
                 let is_supported = |s: &&Scored| s.bic_gain(from) > policy.evidence;
                 let others = left.iter().filter(is_supported).map(|s| vec![s.clone()]);

@@ -7,8 +7,10 @@
 use crate::base::index::FastSet;
 use crate::calibrate::plan::Plan;
 use crate::flatten::open_equation::{OpenEquation, explicit_equation};
-use crate::ir::expr::{ExprId, Node, Type, VarId};
+use crate::ir::expr::{ExprId, Type, VarId};
 use crate::ir::flat::{EquationKind, FlatModel, Variability, Variable};
+
+use super::equal_variables::EqualVariables;
 
 /// Most signals that actuators are hypotheses at.
 const MAX_SIGNALS: usize = 6;
@@ -50,34 +52,7 @@ fn is_determined(flat: &FlatModel, v: VarId) -> bool {
 fn aliases_of_inputs(flat: &FlatModel, plan: &Plan) -> FastSet<VarId> {
     let is_driven = |name: &str| plan.inputs.iter().any(|driven| driven.input == name);
     let driven = flat.variables.enumerate().filter(|(_, x)| is_driven(&x.name));
-    let mut known: FastSet<VarId> = driven.map(|(v, _)| v).collect();
-    let pairs = equal_pairs(flat);
-    loop {
-        let before = known.len();
-        for (a, b) in &pairs {
-            if known.contains(a) || known.contains(b) {
-                known.extend([*a, *b]);
-            }
-        }
-        if known.len() == before {
-            return known;
-        }
-    }
-}
-
-/// The pairs of variables that an equation or a binding says are equal.
-fn equal_pairs(flat: &FlatModel) -> Vec<(VarId, VarId)> {
-    let variable = |e: ExprId| match flat.graph.node(e) {
-        Node::Var(v) => Some(v),
-        _ => None,
-    };
-    let of_equations = flat.equations.iter().filter_map(|e| match e.kind {
-        EquationKind::Equal(a, b) => Some((variable(a)?, variable(b)?)),
-        _ => None,
-    });
-    let of_bindings =
-        flat.variables.enumerate().filter_map(|(v, x)| Some((v, variable(x.binding?)?)));
-    of_equations.chain(of_bindings).collect()
+    EqualVariables::new(flat).of(driven.map(|(v, _)| v))
 }
 
 /// The variables that are read by an equation or binding other than that which determines them.

@@ -21,6 +21,7 @@ pub mod cause;
 pub mod curve_points;
 pub mod difference;
 pub mod effective_evidence;
+pub mod equal_variables;
 pub mod equation_terms;
 pub mod finer_curve;
 pub mod fixed_value;

@@ -148,7 +148,7 @@ pub struct SearchPolicy {
     /// has dragged the calibrated ones far away. Default 5.
     pub large_effect_above: f64,
     /// Reduced sum without effects above which candidates are looked at in runs that follow the recordings. Default 200: they
-    /// cost ten seconds, and below, free runs nearly always find the cause.
+    /// cost about ten seconds for the valve, and below, free runs found the cause of most specimens.
     pub follow_above: f64,
     /// A short fit from another start is given up if its sum of squares exceeds the best one by this factor.
     /// Default 2.

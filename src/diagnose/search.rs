@@ -51,14 +51,9 @@ impl<'a> Search<'a> {
         Search { study, observer, steps: Cell::new(0), fitted: RefCell::default() }
     }
 
-    /// A part of this search in another form of its study.
-    pub fn of(&self, study: &'a Study) -> Search<'a> {
-        Search { study, steps: self.steps.clone(), ..Search::new(study, self.observer) }
-    }
-
-    /// Counts the steps of a part of this search.
-    pub fn count(&self, part: &Search<'_>) {
-        self.steps.set(self.steps.get().max(part.steps.get()));
+    /// A search in another form of the study, with the same observer.
+    pub fn in_form(&self, study: &'a Study) -> Search<'a> {
+        Search::new(study, self.observer)
     }
 
     /// The policy of the study.

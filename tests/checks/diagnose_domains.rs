@@ -861,3 +861,21 @@ fn an_elimination_that_saturates_is_found() {
     let values = [("A", -1.6, 0.1), ("K", 1.5, 0.3)];
     assert_found(&found, &scratch, "Effects.SaturatingTerm", "der(C)", &values);
 }
+
+/// A body that is held at a narrow place, where the model goes on: along its free runs the friction there promises little.
+#[test]
+fn friction_at_a_narrow_place_is_found_by_runs_that_follow_the_recordings() {
+    let study = Study {
+        model: "slide",
+        truth: "slide_truth",
+        conditions: &[("F", &[15.0, 18.0, 21.0, 17.0])],
+        signals: &[("body.s", "m", 2e-5)],
+        free: &["m", "d", "c"],
+        inputs: &[],
+    };
+    let (found, scratch) = study.diagnose();
+    assert!(found["before"]["train"]["chi2"].as_f64() > Some(200.0), "{}", found["before"]);
+    // The body comes to rest before the middle of the place, so that the height there is known least.
+    let values = [("s_0", 9e-3, 3e-4), ("w", 0.6e-3, 1.2e-4)];
+    assert_found(&found, &scratch, "Effects.PositionFriction", "body", &values);
+}

@@ -872,3 +872,44 @@ equation
   der(C) = (if time < 2 then dose/2 else 0) - 0.1*C - 1.6*C/(1.5 + C);
   annotation(experiment(StopTime = 30, Interval = 0.1));
 end Truth;
+
+//@ case slide
+//@ used by diagnose_domains.rs
+model Slide "A body between stops that a force pushes against a spring"
+  parameter Real F = 40;
+  parameter Real m = 0.5;
+  parameter Real d = 20;
+  parameter Real c = 800;
+  Translational.StopMass      body(m = m, s_max = 0.02);
+  Translational.HousingSpring spring(c = c, f_0 = 5);
+  Translational.Force         drive(f = if time < 0.6 then F*min(time/0.3, 1) else 0);
+  Translational.Damper        damper(d = d);
+  Translational.Fixed         wall;
+equation
+  connect(drive.flange, body.flange);
+  connect(spring.flange, body.flange);
+  connect(wall.flange, damper.flange_a);
+  connect(damper.flange_b, body.flange);
+  annotation(experiment(StopTime = 1, Interval = 0.002));
+end Slide;
+
+//@ case slide_truth
+//@ used by diagnose_domains.rs
+model NarrowPlace
+  parameter Real F = 30;
+  parameter Real s_0 = 0.009;
+  parameter Real w = 0.6e-3;
+  Translational.SpoolFlange spool;
+equation
+  spool.f_slide = -F*exp(-((spool.s - s_0)/w)^2);
+  spool.f_static = -F*exp(-((spool.s - s_0)/w)^2);
+  spool.f_push = 0;
+end NarrowPlace;
+
+model Truth "The body is held at a narrow place"
+  extends Slide;
+  NarrowPlace place;
+equation
+  connect(place.spool, body.seals);
+  annotation(experiment(StopTime = 1, Interval = 0.002));
+end Truth;

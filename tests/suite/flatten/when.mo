@@ -80,6 +80,26 @@ equation
   end when;
 end Counters;
 
+//@ case statements_with_other_left_sides
+//@ snapshot flat
+//@ run stop=1
+// A branch of a when-statement keeps what it does not assign, which the flat equations say.
+model Counters
+  discrete Real a(start = 0, fixed = true);
+  discrete Real b(start = 0, fixed = true);
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = 1;
+algorithm
+  when x > 0.2 then
+    a := 1;
+  elsewhen x > 0.4 then
+    b := 2;
+  end when;
+end Counters;
+//@ expect a = 1 abs 0
+//@ expect b = 2 abs 0
+
 //@ case branches_with_equal_left_sides
 //@ run stop=1
 // `reinit` and `assert` are not equations of a variable, and the order does not matter.
